@@ -1,0 +1,143 @@
+//! The question that every engine answers.
+
+use std::fmt::{self, Debug};
+use std::ops::AddAssign;
+use std::str::FromStr;
+
+use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch};
+use thiserror::Error;
+
+/// Traces batches of rays against one frame of geometry at a time.
+///
+/// All engines give the same answer to the bit: the nearest hit by the accepting tests of
+/// [`rayflock_geom::simd`], the lowest (object, primitive) where two are equally near. It does
+/// not depend on earlier frames, hints, SIMD level, thread count, or how a batch is split.
+///
+/// Work runs on the current rayon thread pool; install a pool around a call to choose its size.
+pub trait RayEngine: Debug + Send {
+    /// Which engine this is.
+    fn kind(&self) -> EngineKind;
+
+    /// Makes `geometry` the current frame. `changes` tells how it differs from the frame
+    /// committed before; [`FrameChanges::all`] is always correct.
+    ///
+    /// # Errors
+    /// [`EngineError`] when the engine cannot hold the geometry; the frame committed before is
+    /// then gone.
+    fn commit(
+        &mut self,
+        geometry: &Geometry,
+        changes: &FrameChanges,
+    ) -> Result<CommitStats, EngineError>;
+
+    /// Replaces entry `i` of `hits` by a nearer hit of ray `i`, if there is one. Start from
+    /// [`Hit::MISS`](rayflock_geom::Hit::MISS).
+    ///
+    /// # Panics
+    /// When `hits.len() != rays.len()`.
+    fn closest_hit(&mut self, rays: &RayBatch<'_>, hits: &mut Hits<'_>) -> TraceStats;
+
+    /// Writes whether anything lies within the interval of each ray: what
+    /// [`Self::closest_hit`] not missing would say.
+    ///
+    /// # Panics
+    /// When `occluded.len() != rays.len()`.
+    fn occluded(&mut self, rays: &RayBatch<'_>, occluded: &mut [bool]) -> TraceStats;
+
+    /// Bytes held by the engine itself, without the shared meshes.
+    fn memory_usage(&self) -> usize;
+}
+
+/// The engines, by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum EngineKind {
+    /// All rays against all primitives.
+    Brute,
+    /// A hierarchy over the rays, none over the geometry.
+    Hierarchy,
+}
+
+impl EngineKind {
+    /// Every engine of this crate.
+    pub const ALL: [Self; 2] = [Self::Brute, Self::Hierarchy];
+
+    /// The name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Brute => "brute",
+            Self::Hierarchy => "hierarchy",
+        }
+    }
+}
+
+impl fmt::Display for EngineKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for EngineKind {
+    type Err = EngineError;
+
+    fn from_str(name: &str) -> Result<Self, EngineError> {
+        Self::ALL
+            .into_iter()
+            .find(|kind| kind.name() == name)
+            .ok_or_else(|| EngineError::UnknownEngine(name.to_owned()))
+    }
+}
+
+/// Why an engine cannot do what it was asked.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum EngineError {
+    /// No engine has this name.
+    #[error("unknown engine \"{0}\"; there are: {names}", names = engine_names())]
+    UnknownEngine(String),
+}
+
+fn engine_names() -> String {
+    EngineKind::ALL.map(EngineKind::name).join(", ")
+}
+
+/// What a commit found and did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CommitStats {
+    /// Primitives in the frame.
+    pub prim_count: usize,
+    /// Primitives ignored because a coordinate is not finite.
+    pub non_finite_count: usize,
+    /// Primitives ignored because they have no area or a radius that is not positive.
+    pub degenerate_count: usize,
+    /// Primitives whose data had to be written anew.
+    pub rewritten_count: usize,
+}
+
+/// What tracing a batch took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TraceStats {
+    /// Rays in the batch.
+    pub rays: u64,
+    /// Rays that were NaN, infinite or had a zero direction: misses.
+    pub invalid_rays: u64,
+    /// Sphere-cone tests, in SIMD lanes.
+    pub cone_tests: u64,
+    /// Ray-triangle tests, in SIMD lanes that hold a ray and a triangle, padding included.
+    pub triangle_tests: u64,
+    /// Ray-sphere tests, in SIMD lanes.
+    pub sphere_tests: u64,
+    /// Rays handed to user primitives.
+    pub user_tests: u64,
+}
+
+impl AddAssign for TraceStats {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.invalid_rays += other.invalid_rays;
+        self.cone_tests += other.cone_tests;
+        self.triangle_tests += other.triangle_tests;
+        self.sphere_tests += other.sphere_tests;
+        self.user_tests += other.user_tests;
+    }
+}

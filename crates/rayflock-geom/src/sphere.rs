@@ -1,0 +1,97 @@
+//! Spheres: a primitive, and the bound of every other primitive.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// Unit roundoff of `f32` arithmetic, `2^-24`.
+const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
+
+/// A sphere. As a bound it holds all points within `radius` of `center`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Sphere {
+    /// Centre.
+    pub center: Vec3,
+    /// Radius, in the same space as the centre.
+    pub radius: f32,
+}
+
+impl Sphere {
+    /// A sphere from its centre and radius.
+    pub const fn new(center: Vec3, radius: f32) -> Self {
+        Self { center, radius }
+    }
+
+    /// Whether the sphere can be hit: finite, with a positive radius.
+    pub fn is_valid(&self) -> bool {
+        self.center.is_finite() && self.radius.is_finite() && self.radius > 0.0
+    }
+
+    /// A sphere around a triangle.
+    ///
+    /// The centre is that of the bounding box; the radius is the largest distance to a vertex,
+    /// enlarged so that the sphere holds the vertices in spite of rounding (relative error of
+    /// the distance below 4 units, of the centre below 2).
+    #[inline(always)]
+    pub fn around_triangle(v0: Vec3, v1: Vec3, v2: Vec3) -> Self {
+        let center = 0.5 * v0.min(v1).min(v2) + 0.5 * v0.max(v1).max(v2);
+        let squared = |vertex: Vec3| (vertex - center).length_squared();
+        let radius = squared(v0).max(squared(v1)).max(squared(v2)).sqrt();
+        Self { center, radius: radius * (1.0 + 8.0 * UNIT_ROUNDOFF) + f32::MIN_POSITIVE }
+    }
+
+    /// A sphere around both spheres.
+    pub fn union(&self, other: &Self) -> Self {
+        let offset = other.center - self.center;
+        let distance = offset.length();
+        if distance + other.radius <= self.radius {
+            return *self;
+        }
+        if distance + self.radius <= other.radius {
+            return *other;
+        }
+        let radius = 0.5 * (distance + self.radius + other.radius);
+        let center = self.center + offset * ((radius - self.radius) / distance);
+        // The centre is rounded, so measure again from where it came to lie.
+        let reach = |sphere: &Self| (sphere.center - center).length() + sphere.radius;
+        let radius = reach(self).max(reach(other)) * (1.0 + 8.0 * UNIT_ROUNDOFF);
+        Self { center, radius: radius + f32::MIN_POSITIVE }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn point() -> impl Strategy<Value = Vec3> {
+        let exponent = -3..6_i32;
+        (prop::array::uniform3(-1.0..1.0_f32), exponent)
+            .prop_map(|(p, e)| Vec3::from(p) * 10.0_f32.powi(e))
+    }
+
+    fn holds(sphere: &Sphere, p: Vec3) -> bool {
+        (p.as_dvec3() - sphere.center.as_dvec3()).length() <= f64::from(sphere.radius)
+    }
+
+    proptest! {
+        #[test]
+        fn a_triangle_lies_in_its_sphere(a in point(), b in point(), c in point()) {
+            let sphere = Sphere::around_triangle(a, b, c);
+            for vertex in [a, b, c] {
+                prop_assert!(holds(&sphere, vertex), "{vertex} not in {sphere:?}");
+            }
+        }
+
+        #[test]
+        fn both_spheres_lie_in_their_union(
+            a in point(), b in point(), ra in 0.0..10.0_f32, rb in 0.0..10.0_f32,
+        ) {
+            let union = Sphere::new(a, ra).union(&Sphere::new(b, rb));
+            for (center, radius) in [(a, ra), (b, rb)] {
+                let reach = (center.as_dvec3() - union.center.as_dvec3()).length();
+                prop_assert!(reach + f64::from(radius) <= f64::from(union.radius));
+            }
+        }
+    }
+}

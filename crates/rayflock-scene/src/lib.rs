@@ -1,0 +1,29 @@
+//! What is in the world and how it moves.
+//!
+//! A [`Scene`] is everything a file or a generator describes: nodes, objects, materials, lights,
+//! cameras and clips. An [`Evaluator`] turns it, for a time, into a [`SceneFrame`]: the geometry
+//! that engines trace, what changed since the frame before, and what shading needs.
+//!
+//! Conventions: right-handed, +Y up, cameras look along -Z; seconds, radians, scene units.
+//! The crate knows no engines and no files.
+#![forbid(unsafe_code)]
+
+mod animation;
+mod camera;
+mod frame;
+mod light;
+mod material;
+mod node;
+mod object;
+mod scene;
+mod surface;
+
+pub use animation::{Channel, ChannelValues, Clip, Interpolation};
+pub use camera::{Camera, Projection};
+pub use frame::SceneFrame;
+pub use light::{Falloff, Light, LightKind};
+pub use material::{Background, Fresnel, Material, MaterialIdx, Texture, TextureIdx};
+pub use node::{LocalTransform, Node, NodeIdx};
+pub use object::{AnimatedMesh, MorphTarget, SceneObject, Shape, Skin, VertexInfluences};
+pub use scene::{Scene, SceneError};
+pub use surface::{PrimMaterials, SurfaceAttributes, SurfaceMesh};
