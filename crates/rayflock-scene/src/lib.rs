@@ -8,22 +8,33 @@
 //! The crate knows no engines and no files.
 #![forbid(unsafe_code)]
 
+mod animated_mesh;
 mod animation;
 mod camera;
+mod error;
+mod evaluator;
 mod frame;
+mod framing;
 mod light;
 mod material;
+mod motion;
 mod node;
 mod object;
+mod pose;
 mod scene;
 mod surface;
 
+pub use animated_mesh::AnimatedMesh;
 pub use animation::{Channel, ChannelValues, Clip, Interpolation};
 pub use camera::{Camera, Projection};
+pub use error::SceneError;
+pub use evaluator::Evaluator;
 pub use frame::SceneFrame;
+pub use framing::frame_bounds;
 pub use light::{Falloff, Light, LightKind};
 pub use material::{Background, Fresnel, Material, MaterialIdx, Texture, TextureIdx};
+pub use motion::MotionKind;
 pub use node::{LocalTransform, Node, NodeIdx};
-pub use object::{AnimatedMesh, MorphTarget, SceneObject, Shape, Skin, VertexInfluences};
-pub use scene::{Scene, SceneError};
+pub use object::{MorphTarget, SceneObject, Shape, Skin, VertexInfluences};
+pub use scene::Scene;
 pub use surface::{PrimMaterials, SurfaceAttributes, SurfaceMesh};

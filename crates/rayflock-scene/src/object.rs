@@ -1,11 +1,10 @@
 //! Objects: meshes in the world that may move as a whole, deform, or change topology.
 
-use std::fmt::Debug;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 
-use crate::{NodeIdx, SurfaceMesh};
+use crate::{AnimatedMesh, NodeIdx, SurfaceMesh};
 
 /// Something that can be seen. Its position in [`Scene::objects`](crate::Scene::objects) is its
 /// [`ObjectId`](rayflock_geom::ObjectId).
@@ -65,23 +64,4 @@ pub struct VertexInfluences {
     pub joints: [u16; 8],
     /// Shares.
     pub weights: [f32; 8],
-}
-
-/// A mesh that is a function of time.
-pub trait AnimatedMesh: Debug + Send + Sync {
-    /// The interval in which the mesh moves, in seconds; before and after, it rests.
-    fn time_range(&self) -> (f64, f64);
-
-    /// The mesh at `time`, and how it relates to the mesh at another time: where vertices move
-    /// and triangles stay, the mesh shares its triangles with those of other times
-    /// ([`Mesh::with_vertices`](rayflock_geom::Mesh::with_vertices)).
-    ///
-    /// # Errors
-    /// A message for the user when the mesh cannot be had, such as a file gone or damaged.
-    fn at(&self, time: f64) -> Result<SurfaceMesh, String>;
-
-    /// A mesh whose bounds stand for all times, when that is cheaper to tell than by evaluating.
-    fn triangle_count_hint(&self) -> Option<usize> {
-        None
-    }
 }

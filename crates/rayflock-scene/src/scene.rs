@@ -1,9 +1,8 @@
 //! Everything a file or a generator describes.
 
 use glam::Vec3;
-use thiserror::Error;
 
-use crate::{Background, Camera, Clip, Light, Material, Node, SceneObject, Texture};
+use crate::{Background, Camera, Clip, Light, Material, Node, SceneError, SceneObject, Texture};
 
 /// A world: what is in it, what it looks like and how it moves.
 #[derive(Clone, Debug, Default)]
@@ -35,45 +34,53 @@ pub struct Scene {
     pub frame_count: Option<usize>,
 }
 
-/// Why a scene cannot be evaluated.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[non_exhaustive]
-pub enum SceneError {
-    /// The node hierarchy loops.
-    #[error("node {node_idx} (\"{name}\") is its own ancestor")]
-    CyclicNodes {
-        /// A node on the loop.
-        node_idx: u32,
-        /// Its name.
-        name: String,
-    },
-    /// An animated mesh could not be had.
-    #[error("object \"{object}\" at {time} s: {reason}")]
-    AnimatedMesh {
-        /// The object's name.
-        object: String,
-        /// The time asked for, in seconds.
-        time: String,
-        /// What went wrong.
-        reason: String,
-    },
-    /// The clip does not exist.
-    #[error("no clip is called \"{name}\"; there are: {available}")]
-    UnknownClip {
-        /// The name asked for.
-        name: String,
-        /// The names there are.
-        available: String,
-    },
-    /// The camera does not exist.
-    #[error("no camera is called \"{name}\"; there are: {available}")]
-    UnknownCamera {
-        /// The name asked for.
-        name: String,
-        /// The names there are.
-        available: String,
-    },
-    /// The objects do not make a geometry.
-    #[error(transparent)]
-    Geometry(#[from] rayflock_geom::GeometryError),
+/// Frames a second where the source states none.
+const DEFAULT_FRAME_RATE: f64 = 24.0;
+
+impl Scene {
+    /// Frames a second: what the source states, if that is a positive number, or else 24.
+    pub fn default_frame_rate(&self) -> f64 {
+        let usable = |rate: &f64| rate.is_finite() && *rate > 0.0;
+        self.frame_rate.filter(usable).unwrap_or(DEFAULT_FRAME_RATE)
+    }
+
+    /// The position in [`cameras`](Self::cameras) of the first camera with this name; without a
+    /// name the first camera, `None` where there are none.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownCamera`] when no camera has the name.
+    pub fn camera_idx(&self, name: Option<&str>) -> Result<Option<usize>, SceneError> {
+        let names = || self.cameras.iter().map(|camera| camera.name.as_str());
+        first_or_named(name, names).map_err(|available| SceneError::UnknownCamera {
+            name: name.unwrap_or_default().to_owned(),
+            available,
+        })
+    }
+
+    /// The position in [`clips`](Self::clips) of the first clip with this name; without a name
+    /// the first clip, `None` where there are none.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownClip`] when no clip has the name.
+    pub fn clip_idx(&self, name: Option<&str>) -> Result<Option<usize>, SceneError> {
+        let names = || self.clips.iter().map(|clip| clip.name.as_str());
+        first_or_named(name, names).map_err(|available| SceneError::UnknownClip {
+            name: name.unwrap_or_default().to_owned(),
+            available,
+        })
+    }
+}
+
+/// The position of `name`, or of the first name where none is asked for; on failure the list of
+/// names, for a message.
+fn first_or_named<'a, I: Iterator<Item = &'a str>>(
+    name: Option<&str>,
+    names: impl Fn() -> I,
+) -> Result<Option<usize>, String> {
+    let Some(name) = name else { return Ok(names().next().map(|_| 0)) };
+    if let Some(idx) = names().position(|candidate| candidate == name) {
+        return Ok(Some(idx));
+    }
+    let quoted: Vec<String> = names().map(|candidate| format!("\"{candidate}\"")).collect();
+    Err(if quoted.is_empty() { "none".to_owned() } else { quoted.join(", ") })
 }
