@@ -10,6 +10,7 @@
 
 mod animated_mesh;
 mod animation;
+pub mod builtin;
 mod camera;
 mod error;
 mod evaluator;

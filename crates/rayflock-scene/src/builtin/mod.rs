@@ -1,0 +1,86 @@
+//! Scenes that need no file: each is made by a program from the same nouns as a file would be.
+//!
+//! | Scene | What moves | Use it when |
+//! |---|---|---|
+//! | `cornell` | one sphere, rigidly | you check mirrors, glass and true spheres |
+//! | `museum3` ... `museum8` | `4^n` triangles, each on its own | you compare with the papers |
+//! | `shatter` | every triangle of a solid, from whole to rubble | no hierarchy could be refitted |
+//! | `crowd` | twelve skinned figures | you want animation as productions have it |
+//!
+//! **Invariants.** A scene depends on nothing but its name: two builds are equal. Each has a
+//! camera, lights and at least 240 frames at its own frame rate.
+mod cornell;
+mod keyed_path;
+mod random;
+mod surface_builder;
+
+use std::f32::consts::PI;
+
+use glam::{Quat, Vec3};
+
+use crate::{
+    Fresnel, LocalTransform, Material, Node, NodeIdx, Scene, SceneObject, Shape, SurfaceMesh,
+};
+
+/// A scene that needs no file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Builtin {
+    /// What it is called by.
+    pub name: &'static str,
+    /// What it shows, in one line for the user.
+    pub about: &'static str,
+    /// How many frames it has at its own frame rate.
+    pub frame_count: usize,
+}
+
+const BUILTINS: &[Builtin] = &[Builtin {
+    name: "cornell",
+    about: "a glass sphere circles a mirror sphere in a box with coloured walls",
+    frame_count: cornell::FRAME_COUNT,
+}];
+
+/// All built-in scenes, each under its own name.
+pub fn all() -> &'static [Builtin] {
+    BUILTINS
+}
+
+/// The built-in scene of this name; `None` when there is none.
+pub fn build(name: &str) -> Option<Scene> {
+    match name {
+        "cornell" => Some(cornell::build()),
+        _ => None,
+    }
+}
+
+/// A node that clips can move, at `translation` at rest.
+fn node(name: &str, parent: Option<NodeIdx>, translation: Vec3) -> Node {
+    let rest = LocalTransform::Parts { translation, rotation: Quat::IDENTITY, scale: Vec3::ONE };
+    Node { name: name.to_owned(), parent, rest, rest_weights: Vec::new() }
+}
+
+/// An object that all rays see and that moves with its node at most.
+fn object(name: &str, node: Option<NodeIdx>, surface: SurfaceMesh) -> SceneObject {
+    SceneObject { name: name.to_owned(), node, mask: u32::MAX, shape: Shape::Fixed(surface) }
+}
+
+/// A matte material whose ambient and diffuse shares are `color`.
+fn matte(name: &str, color: Vec3) -> Material {
+    Material { name: name.to_owned(), ambient: color, diffuse: color, ..Material::default() }
+}
+
+/// A polished material: matte, with a highlight and a mirrored share that grows at grazing angles.
+fn polished(name: &str, color: Vec3, mirror: f32) -> Material {
+    Material {
+        mirror: Vec3::splat(mirror),
+        specular: Vec3::splat(mirror.max(0.2)),
+        shininess: 60.0,
+        fresnel: Fresnel::Schlick,
+        ..matte(name, color)
+    }
+}
+
+/// The irradiance that a classic light of `grey` stands for: NFF multiplies the light's colour,
+/// the diffuse share and the cosine, where this crate also divides by pi.
+fn nff_irradiance(grey: f32) -> Vec3 {
+    Vec3::splat(grey * PI)
+}
