@@ -7,6 +7,10 @@
 //! Operations are IEEE 754 without fused multiply-add wherever a result is visible, so every
 //! level gives the same bits.
 
+pub mod cone_sphere;
+pub mod ray_sphere;
+pub mod ray_triangle;
+
 use std::fmt;
 
 pub use fearless_simd::prelude::*;
