@@ -1,0 +1,50 @@
+//! What a caller can choose about a picture.
+
+use rayflock_scene::Background;
+
+/// How a frame is rendered. Values out of range are taken as the nearest one in range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// Rays through each pixel, `1..=65536`. The first goes through the pixel's centre.
+    pub samples_per_pixel: u32,
+    /// How many times a ray is mirrored or refracted at most, `0..=32`; 0 shows no reflections.
+    pub depth: u32,
+    /// Whether lights cast shadows.
+    pub shadows: bool,
+    /// Points sampled on emitting surfaces for each visible point and sample, `1..=1024`. More
+    /// make soft shadows less noisy.
+    pub light_samples: u32,
+    /// What rays that hit nothing see, instead of what the scene says.
+    pub background: Option<Background>,
+    /// How many rays are traced together at most, `1..=2^24`, but at least one row of pixels.
+    /// Bounds the memory taken; never changes the picture.
+    pub batch_rays: usize,
+}
+
+impl Default for RenderSettings {
+    /// One sample a pixel, five bounces, shadows, four light samples, the scene's background,
+    /// and batches of `2^19` rays: an image of 800 x 600 pixels in one.
+    fn default() -> Self {
+        Self {
+            samples_per_pixel: 1,
+            depth: 5,
+            shadows: true,
+            light_samples: 4,
+            background: None,
+            batch_rays: 1 << 19,
+        }
+    }
+}
+
+impl RenderSettings {
+    /// The same settings with every value in its range.
+    pub fn clamped(&self) -> Self {
+        Self {
+            samples_per_pixel: self.samples_per_pixel.clamp(1, 1 << 16),
+            depth: self.depth.min(32),
+            light_samples: self.light_samples.clamp(1, 1024),
+            batch_rays: self.batch_rays.clamp(1, 1 << 24),
+            ..self.clone()
+        }
+    }
+}

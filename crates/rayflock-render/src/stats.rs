@@ -1,0 +1,64 @@
+//! What a frame took.
+
+use rayflock_engine::TraceStats;
+
+/// Rays by what they were traced for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    /// From the camera.
+    pub primary: u64,
+    /// Between surfaces and lights.
+    pub shadow: u64,
+    /// Mirrored.
+    pub mirror: u64,
+    /// Refracted.
+    pub refraction: u64,
+}
+
+impl RayCounts {
+    /// Rays of all kinds.
+    pub const fn total(&self) -> u64 {
+        self.primary + self.shadow + self.mirror + self.refraction
+    }
+}
+
+/// What rendering a frame took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameStats {
+    /// What the engine counted.
+    pub trace: TraceStats,
+    /// Rays by kind.
+    pub rays: RayCounts,
+    /// Time spent in the engine, in seconds; 0 where there is no clock (WebAssembly).
+    pub trace_seconds: f64,
+    /// Time spent on everything else, in seconds; 0 where there is no clock.
+    pub shade_seconds: f64,
+    /// Contributions that were not finite and therefore left out, as from values beyond `f32`.
+    pub dropped: u64,
+}
+
+/// Measures seconds where there is a clock.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stopwatch {
+    #[cfg(not(target_arch = "wasm32"))]
+    start: std::time::Instant,
+}
+
+impl Stopwatch {
+    pub(crate) fn start() -> Self {
+        Self {
+            #[cfg(not(target_arch = "wasm32"))]
+            start: std::time::Instant::now(),
+        }
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn seconds(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    pub(crate) fn seconds(&self) -> f64 {
+        0.0
+    }
+}
