@@ -176,7 +176,7 @@ fn place(transform: Option<&DAffine3>, point: Vec3) -> (DVec3, f64) {
 fn scale(transform: Option<&DAffine3>) -> f64 {
     let Some(transform) = transform else { return 1.0 };
     let m = &transform.matrix3;
-    let squared = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.length_squared());
+    let squared = [m.x_axis, m.y_axis, m.z_axis].map(DVec3::length_squared);
     (squared.into_iter().sum::<f64>() / 3.0).sqrt()
 }
 
