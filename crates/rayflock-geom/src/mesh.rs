@@ -8,7 +8,7 @@ use crate::{Aabb, GeometryError, PrimId, Sphere, UserPrimitives};
 
 /// The primitives of one object, in object space.
 ///
-/// Primitive ids count triangles first, then spheres, then user primitives. A mesh never
+/// Primitive ids count triangles first, then spheres, then user primitives. A shared mesh never
 /// changes; a deformed one is another mesh that shares its triangles ([`Mesh::with_vertices`]).
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
@@ -94,6 +94,12 @@ impl Mesh {
         &self.vertices
     }
 
+    /// Vertex positions, to be moved before the mesh is shared (or in a copy of the caller's own:
+    /// [`Arc::make_mut`]). The triangles stay.
+    pub fn vertices_mut(&mut self) -> &mut [Vec3] {
+        &mut self.vertices
+    }
+
     /// Vertex indices of each triangle.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
@@ -176,6 +182,15 @@ mod tests {
         let error = Mesh::from_triangles(vec![Vec3::ZERO; 3], vec![[0, 1, 2], [0, 1, 3]]);
         let message = error.unwrap_err().to_string();
         assert_eq!(message, "triangle 1 names vertex 3, but there are 3 vertices");
+    }
+
+    #[test]
+    fn a_copy_with_moved_vertices_has_the_same_topology() {
+        let mesh = Arc::new(Mesh::from_triangles(vec![Vec3::ZERO; 3], vec![[0, 1, 2]]).unwrap());
+        let mut moved = Arc::clone(&mesh);
+        Arc::make_mut(&mut moved).vertices_mut()[1] = Vec3::X;
+        assert_eq!((mesh.vertices()[1], moved.vertices()[1]), (Vec3::ZERO, Vec3::X));
+        assert!(moved.has_topology_of(&mesh));
     }
 
     #[test]
