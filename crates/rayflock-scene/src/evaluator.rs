@@ -5,9 +5,12 @@ use std::sync::Arc;
 use glam::{Affine3A, Mat3A};
 use rayflock_geom::{Aabb, FrameChanges, Geometry, GeometryObject, ObjectId};
 
-use crate::SurfaceMesh;
 use crate::pose::Pose;
-use crate::{Clip, MotionKind, NodeIdx, Scene, SceneError, SceneFrame, SceneObject, Shape};
+use crate::track::ObjectTrack;
+use crate::validate;
+use crate::{
+    Clip, LightKind, MotionKind, NodeIdx, Scene, SceneError, SceneFrame, SceneObject, SurfaceMesh,
+};
 
 /// Turns a scene into frames, one time after another.
 ///
@@ -18,6 +21,7 @@ pub struct Evaluator {
     scene: Arc<Scene>,
     clip_idx: Option<usize>,
     pose: Pose,
+    tracks: Vec<ObjectTrack>,
     frame: SceneFrame,
 }
 
@@ -25,11 +29,15 @@ impl Evaluator {
     /// An evaluator that plays the clip of this name; without a name the first, if there is one.
     ///
     /// # Errors
-    /// [`SceneError::UnknownClip`] and [`SceneError::CyclicNodes`].
+    /// [`SceneError::UnknownClip`], [`SceneError::CyclicNodes`], and the other variants for
+    /// whatever in the scene or the clip does not hang together.
     pub fn new(scene: Arc<Scene>, clip: Option<&str>) -> Result<Self, SceneError> {
         let clip_idx = scene.clip_idx(clip)?;
-        let pose = Pose::at_rest(&scene.nodes)?;
-        Ok(Self { scene, clip_idx, pose, frame: SceneFrame::default() })
+        let clip = clip_idx.map(|clip_idx| &scene.clips[clip_idx]);
+        validate::check(&scene, clip)?;
+        let pose = Pose::new(&scene.nodes, clip)?;
+        let tracks = scene.objects.iter().map(ObjectTrack::new).collect();
+        Ok(Self { scene, clip_idx, pose, tracks, frame: SceneFrame::default() })
     }
 
     /// The scene.
@@ -44,17 +52,30 @@ impl Evaluator {
 
     /// How each object moves over the clip, in the order of [`Scene::objects`].
     pub fn motion_kinds(&self) -> Vec<MotionKind> {
-        vec![MotionKind::Topology; self.scene.objects.len()]
+        let motion = |(object, track): (&SceneObject, &ObjectTrack)| {
+            let rides =
+                !track.is_skinned() && object.node.is_some_and(|node| self.pose.moves(node));
+            let whole = if rides { MotionKind::Rigid } else { MotionKind::Static };
+            track.motion(&self.pose).max(whole)
+        };
+        self.scene.objects.iter().zip(&self.tracks).map(motion).collect()
     }
 
     /// The frame at `time` in seconds, with what changed since the frame that this evaluator
     /// made before; in the first frame, all objects are added.
     ///
     /// # Errors
-    /// [`SceneError::AnimatedMesh`] and [`SceneError::Geometry`]. The frame before then stays.
+    /// [`SceneError::AnimatedMesh`], or another variant when an animated mesh does not hang
+    /// together, and [`SceneError::Geometry`]. The frame before then stays.
     pub fn evaluate(&mut self, time: f64) -> Result<&SceneFrame, SceneError> {
-        let scene = Arc::clone(&self.scene);
-        let surfaces = scene.objects.iter().map(|object| surface_at(object, time));
+        if let Some(clip_idx) = self.clip_idx {
+            let clip = &self.scene.clips[clip_idx];
+            self.pose.set_time(&self.scene.nodes, clip, clip.local_time(time));
+        }
+        let surfaces = self
+            .tracks
+            .iter_mut()
+            .map(|track| track.surface_at(&self.pose, time, self.scene.materials.len()));
         let surfaces = surfaces.collect::<Result<Vec<_>, _>>()?;
         let geometry = self.geometry(&surfaces)?;
         self.frame = SceneFrame {
@@ -90,7 +111,7 @@ impl Evaluator {
     }
 
     /// The lights in world space.
-    fn lights(&self) -> Vec<crate::LightKind> {
+    fn lights(&self) -> Vec<LightKind> {
         let lights = self.scene.lights.iter();
         lights.map(|light| light.kind.transformed(&self.world_from(light.node))).collect()
     }
@@ -106,21 +127,6 @@ impl Evaluator {
     /// Where a node is in the world; the world itself for none.
     fn world_from(&self, node: Option<NodeIdx>) -> Affine3A {
         node.map_or(Affine3A::IDENTITY, |node| self.pose.world_from_node(node))
-    }
-}
-
-/// The mesh of an object at a time.
-fn surface_at(object: &SceneObject, time: f64) -> Result<SurfaceMesh, SceneError> {
-    match &object.shape {
-        Shape::Fixed(surface) | Shape::Deformed { rest: surface, .. } => Ok(surface.clone()),
-        Shape::Animated(mesh) => {
-            let (first, last) = mesh.time_range();
-            mesh.at(time.max(first).min(last)).map_err(|reason| SceneError::AnimatedMesh {
-                object: object.name.clone(),
-                time: time.to_string(),
-                reason,
-            })
-        }
     }
 }
 

@@ -31,7 +31,8 @@ pub enum LocalTransform {
         /// Scale along each axis.
         scale: Vec3,
     },
-    /// Any affine transform; clips cannot move it.
+    /// Any affine transform. A clip that moves the node takes the matrix apart first, and loses
+    /// its shear.
     Matrix(Affine3A),
 }
 
@@ -47,6 +48,17 @@ impl LocalTransform {
                 Affine3A::from_scale_rotation_translation(scale, rotation, translation)
             }
             Self::Matrix(affine) => affine,
+        }
+    }
+
+    /// The transform in parts: without shear, and only the translation of a singular matrix.
+    pub(crate) fn in_parts(&self) -> Self {
+        let Self::Matrix(affine) = self else { return *self };
+        let (scale, rotation, translation) = affine.to_scale_rotation_translation();
+        if scale.is_finite() && rotation.is_finite() && rotation.length_squared().is_normal() {
+            Self::Parts { translation, rotation: rotation.normalize(), scale }
+        } else {
+            Self::Parts { translation, rotation: Quat::IDENTITY, scale: Vec3::ONE }
         }
     }
 }
