@@ -10,7 +10,7 @@
 
 use std::f32::consts::TAU;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Quat, Vec3};
 use rayflock_geom::{Mesh, Sphere};
 
 use super::keyed_path::{key_times, look_rotation, translation_channel};
@@ -30,6 +30,9 @@ const HALF_WIDTH: f32 = 1.0;
 const HEIGHT: f32 = 2.0;
 const BACK: f32 = -1.0;
 const FRONT: f32 = 4.0;
+
+/// The light; a shade a little above keeps it off the ceiling and shines itself.
+const LAMP: Vec3 = Vec3::new(0.0, 1.72, 0.3);
 
 const MIRROR_SPHERE: Sphere = Sphere { center: Vec3::new(0.0, 0.92, -0.15), radius: 0.4 };
 const GLASS_RADIUS: f32 = 0.27;
@@ -59,14 +62,14 @@ pub(super) fn build() -> Scene {
             name: "ceiling lamp".to_owned(),
             node: None,
             kind: LightKind::Point {
-                position: Vec3::new(0.0, 1.85, 0.35),
-                intensity: Vec3::new(5.2, 4.9, 4.3),
+                position: LAMP,
+                intensity: Vec3::new(3.9, 3.65, 3.2),
                 falloff: Falloff::InverseSquare,
             },
         }],
         cameras: vec![camera()],
         clips: vec![orbit(glass_node)],
-        ambient: Vec3::splat(0.14),
+        ambient: Vec3::splat(0.2),
         background: Some(Background::Uniform(Vec3::ZERO)),
         frame_rate: Some(f64::from(FRAME_RATE)),
         ..Scene::default()
@@ -118,11 +121,13 @@ fn box_surface() -> SurfaceMesh {
     // The plinth ends where the mirror sphere rests on it.
     let top = MIRROR_SPHERE.center.y - MIRROR_SPHERE.radius;
     let turn = Affine3A::from_rotation_translation(
-        glam::Quat::from_rotation_y(0.35),
+        Quat::from_rotation_y(0.35),
         Vec3::new(MIRROR_SPHERE.center.x, 0.0, MIRROR_SPHERE.center.z),
     );
     let ends = [Vec3::new(-0.28, 0.0, -0.28), Vec3::new(0.28, top, 0.28)];
     surface.block(ends, 2, &turn, BLUE);
+    let shade = [LAMP + Vec3::new(-0.34, 0.1, -0.34), LAMP + Vec3::new(0.34, 0.13, 0.34)];
+    surface.block(shade, 2, &Affine3A::IDENTITY, WHITE);
     surface.build()
 }
 
@@ -147,7 +152,7 @@ fn orbit(node: NodeIdx) -> Clip {
 /// sphere, low in front and high behind.
 fn glass_center(turn: f32) -> Vec3 {
     let (sin, cos) = (TAU * (turn + 0.08)).sin_cos();
-    MIRROR_SPHERE.center + Vec3::new(0.69 * sin, -0.32 * cos, 0.55 * cos + 0.05)
+    MIRROR_SPHERE.center + Vec3::new(0.71 * sin, -0.36 * cos, 0.60 * cos + 0.03)
 }
 
 #[cfg(test)]

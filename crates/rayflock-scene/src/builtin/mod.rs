@@ -11,8 +11,11 @@
 //! camera, lights and at least 240 frames at its own frame rate.
 mod cornell;
 mod keyed_path;
+pub mod museum;
 mod random;
 mod surface_builder;
+#[cfg(test)]
+mod tests;
 
 use std::f32::consts::PI;
 
@@ -33,11 +36,23 @@ pub struct Builtin {
     pub frame_count: usize,
 }
 
-const BUILTINS: &[Builtin] = &[Builtin {
-    name: "cornell",
-    about: "a glass sphere circles a mirror sphere in a box with coloured walls",
-    frame_count: cornell::FRAME_COUNT,
-}];
+const fn museum(name: &'static str, about: &'static str) -> Builtin {
+    Builtin { name, about, frame_count: museum::FRAME_COUNT }
+}
+
+const BUILTINS: &[Builtin] = &[
+    Builtin {
+        name: "cornell",
+        about: "a glass sphere circles a mirror sphere in a box with coloured walls",
+        frame_count: cornell::FRAME_COUNT,
+    },
+    museum("museum3", "64 triangles swarm and take shape in a mirrored hall"),
+    museum("museum4", "256 triangles swarm and take shape in a mirrored hall"),
+    museum("museum5", "1,024 triangles swarm and take shape in a mirrored hall"),
+    museum("museum6", "4,096 triangles swarm and take shape in a mirrored hall"),
+    museum("museum7", "16,384 triangles swarm and take shape in a mirrored hall"),
+    museum("museum8", "65,536 triangles swarm and take shape in a mirrored hall"),
+];
 
 /// All built-in scenes, each under its own name.
 pub fn all() -> &'static [Builtin] {
@@ -46,9 +61,10 @@ pub fn all() -> &'static [Builtin] {
 
 /// The built-in scene of this name; `None` when there is none.
 pub fn build(name: &str) -> Option<Scene> {
+    all().iter().find(|builtin| builtin.name == name)?;
     match name {
         "cornell" => Some(cornell::build()),
-        _ => None,
+        _ => museum::build(name.strip_prefix("museum")?.parse().ok()?),
     }
 }
 

@@ -25,6 +25,11 @@ pub(super) struct SurfaceBuilder {
 }
 
 impl SurfaceBuilder {
+    /// Number of vertices so far: the index of the next one.
+    pub(super) fn vertex_count(&self) -> u32 {
+        self.vertices.len() as u32
+    }
+
     /// Adds a vertex and tells its index.
     pub(super) fn vertex(&mut self, position: Vec3, normal: Vec3, uv: Vec2) -> u32 {
         self.vertices.push(position);
@@ -48,7 +53,7 @@ impl SurfaceBuilder {
         material: MaterialIdx,
     ) {
         let normal = (c - a).cross(d - b).normalize_or(Vec3::Y);
-        let first = self.vertices.len() as u32;
+        let first = self.vertex_count();
         for row in 0..=rows {
             for column in 0..=columns {
                 let (u, v) = (column as f32 / columns as f32, row as f32 / rows as f32);
@@ -106,7 +111,7 @@ impl SurfaceBuilder {
     ) {
         let normals = profile_normals(profile);
         for (ring, ends) in profile.windows(2).enumerate() {
-            let first = self.vertices.len() as u32;
+            let first = self.vertex_count();
             for (end, normal) in ends.iter().zip(normals[ring]) {
                 for segment in 0..=segments {
                     // The last point is the first to the bit.
