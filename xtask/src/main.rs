@@ -1,4 +1,45 @@
-//! Automation.
+//! The project's automation: `cargo xtask test`.
+//!
+//! | Part | What it does |
+//! |---|---|
+//! | [`test`] | runs every check in order; what CI runs |
+//! | [`invariants`] | checks the rules of `docs/architecture.md` that the compiler does not |
+//! | [`tools`] | finds or installs programs that some tests want |
 #![forbid(unsafe_code)]
 
-fn main() {}
+mod invariants;
+mod test;
+mod tools;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+usage: cargo xtask COMMAND
+
+commands:
+  test    format, lints, all tests, documentation and the invariants: what CI runs";
+
+fn main() -> ExitCode {
+    let command = std::env::args().nth(1);
+    let done = match command.as_deref() {
+        Some("test") => test::run(root()),
+        _ => {
+            eprintln!("{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The root of the repository.
+fn root() -> &'static Path {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here)
+}

@@ -1,0 +1,58 @@
+//! `cargo xtask test`: every check, cheapest first; the first that fails ends the run.
+
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+
+use crate::{invariants, tools};
+
+/// A call of cargo and what it is for. Lints and documentation share their builds of the
+/// dependencies; tests need another one, because they are optimised.
+struct Step {
+    name: &'static str,
+    args: &'static [&'static str],
+    env: Option<(&'static str, &'static str)>,
+}
+
+const STEPS: [Step; 4] = [
+    Step { name: "format", args: &["fmt", "--all", "--check"], env: None },
+    Step {
+        name: "lints",
+        args: &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"],
+        env: None,
+    },
+    Step { name: "tests", args: &["test", "--workspace"], env: None },
+    Step {
+        name: "documentation",
+        args: &["doc", "--workspace", "--no-deps"],
+        env: Some(("RUSTDOCFLAGS", "-D warnings")),
+    },
+];
+
+/// Runs everything from the repository's `root`.
+pub(crate) fn run(root: &Path) -> Result<()> {
+    let start = Instant::now();
+    tools::want_ffmpeg();
+    println!("== invariants");
+    invariants::check(root)?;
+    for step in &STEPS {
+        run_step(root, step)?;
+    }
+    println!("== all checks passed in {} s", start.elapsed().as_secs());
+    Ok(())
+}
+
+fn run_step(root: &Path, step: &Step) -> Result<()> {
+    let env = step.env.map_or_else(String::new, |(name, value)| format!("{name}=\"{value}\" "));
+    println!("== {}: {env}cargo {}", step.name, step.args.join(" "));
+    let start = Instant::now();
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = Command::new(cargo);
+    command.args(step.args).envs(step.env).current_dir(root);
+    let status = command.status().with_context(|| format!("cannot run cargo for {}", step.name))?;
+    ensure!(status.success(), "{} failed ({status})", step.name);
+    println!("== {}: passed in {} s", step.name, start.elapsed().as_secs());
+    Ok(())
+}
