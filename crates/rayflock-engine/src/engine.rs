@@ -1,7 +1,7 @@
 //! The question that every engine answers.
 
 use std::fmt::{self, Debug};
-use std::ops::AddAssign;
+use std::ops::{Add, AddAssign};
 use std::str::FromStr;
 
 use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch};
@@ -131,13 +131,23 @@ pub struct TraceStats {
     pub user_tests: u64,
 }
 
+impl Add for TraceStats {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            rays: self.rays + other.rays,
+            invalid_rays: self.invalid_rays + other.invalid_rays,
+            cone_tests: self.cone_tests + other.cone_tests,
+            triangle_tests: self.triangle_tests + other.triangle_tests,
+            sphere_tests: self.sphere_tests + other.sphere_tests,
+            user_tests: self.user_tests + other.user_tests,
+        }
+    }
+}
+
 impl AddAssign for TraceStats {
     fn add_assign(&mut self, other: Self) {
-        self.rays += other.rays;
-        self.invalid_rays += other.invalid_rays;
-        self.cone_tests += other.cone_tests;
-        self.triangle_tests += other.triangle_tests;
-        self.sphere_tests += other.sphere_tests;
-        self.user_tests += other.user_tests;
+        *self = *self + other;
     }
 }

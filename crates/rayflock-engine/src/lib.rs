@@ -1,6 +1,49 @@
-//! Engines.
+//! Interchangeable engines that trace rays against geometry whose every triangle may move each
+//! frame.
+//!
+//! | Engine | What it is | Use it when |
+//! |---|---|---|
+//! | [`brute`] | all rays against all primitives | you want the definition of the answer, or have a few hundred primitives |
+//! | [`hierarchy`] | a tree over the rays, nothing over the geometry | everything moves and neighbouring rays go similar ways |
+//!
+//! Read them in this order: [`RayEngine`] (the question), [`brute`] (the definition of the
+//! answer), [`hierarchy`] (the idea) and its stages in the order of their list.
+//!
+//! ```
+//! use glam::Vec3;
+//! use rayflock_engine::{EngineKind, create};
+//! use rayflock_geom::{
+//!     FrameChanges, Geometry, GeometryObject, HitBuffer, Mesh, ObjectId, RayBatch,
+//! };
+//!
+//! let mesh = Mesh::from_triangles(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]])?;
+//! let geometry = Geometry::new(vec![GeometryObject::new(ObjectId(7), mesh)])?;
+//! let mut engine = create(EngineKind::Hierarchy);
+//! engine.commit(&geometry, &FrameChanges::all())?;
+//!
+//! let origins = [Vec3::new(0.25, 0.25, 2.0), Vec3::new(2.0, 0.0, 2.0)];
+//! let rays = RayBatch::new(&origins[..], -Vec3::Z)?;
+//! let mut hits = HitBuffer::new(rays.len());
+//! engine.closest_hit(&rays, &mut hits.as_hits());
+//! assert_eq!(hits.get(0).object_id, ObjectId(7));
+//! assert!(hits.get(1).is_miss());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![forbid(unsafe_code)]
 
+mod answer;
+pub mod brute;
 mod engine;
+pub mod hierarchy;
+mod packet;
+mod primitives;
 
 pub use engine::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
+
+/// Makes an engine with its default settings and an empty frame.
+pub fn create(kind: EngineKind) -> Box<dyn RayEngine> {
+    match kind {
+        EngineKind::Brute => Box::new(brute::BruteEngine::default()),
+        EngineKind::Hierarchy => Box::new(hierarchy::HierarchyEngine::default()),
+    }
+}

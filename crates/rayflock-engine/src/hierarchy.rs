@@ -1,0 +1,149 @@
+//! The hierarchical ray engine: a tree over the rays, nothing over the geometry.
+//!
+//! ```text
+//!   arrange      rays into leaf tiles of 16 that are close in space
+//!   build_tree   bound each tile by a sphere-cone, then cones of cones, fanout 4
+//!   refine       all primitives -> those a node's cone touches -> its children's ... -> a tile's
+//!   trace_tile   test a tile's rays against its candidates, nearest first, until all candidates
+//!                left lie beyond every hit
+//!   answer       hand the hits over in the caller's order
+//! ```
+//!
+//! **Source.** L. Szecsi, "The Hierarchical Ray Engine", WSCG 2006 (tiles of rays, enclosing
+//! cones against enclosing spheres, the exact test behind them); D. Roger, U. Assarsson,
+//! N. Holzschuch, "Whitted Ray-Tracing for Dynamic Scenes using a Ray-Space Hierarchy on the
+//! GPU", EGSR 2007 (several levels, cones that start from spheres, pairs refined level by level);
+//! A. Reis, V. Costa, J. Pereira, "Coherent Ray-Space Hierarchy via Ray Hashing and Sorting",
+//! GRAPP 2017 (unordered rays hashed and sorted into tiles).
+//!
+//! **Departures.** Refinement is depth first with one list a level, so that lists stay in the
+//! cache and memory does not grow with the number of pairs. Lists carry the bounding spheres they
+//! refer to, written by compressing stores, so that no test gathers. Nodes also bound how far
+//! their rays reach, and candidates of a tile are sorted by distance, which the depth test of a
+//! graphics card did after the fact.
+//!
+//! **Invariants.** Cones, reaches and slack are conservative: a primitive that the accepting test
+//! would hit gets to the tile of the ray (`simd::cone_sphere`). Every primitive a tile skips for
+//! its distance lies beyond the tile's hits.
+//!
+//! **Cost.** Per frame one pass over the primitives that changed. Per batch one cone test for
+//! each primitive and task, then four for each surviving (node, primitive) pair; 16 bytes a ray
+//! and 44 bytes a node.
+
+mod arrange;
+mod build_tree;
+mod candidates;
+mod config;
+mod ray_tree;
+mod refine;
+mod sort_rays;
+mod trace_tile;
+
+use std::sync::Mutex;
+
+use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch};
+
+pub use config::Config;
+
+use self::arrange::Arrangement;
+use self::ray_tree::RayTree;
+use self::refine::Scratch;
+use crate::answer::offer_hits;
+use crate::packet::{Nearest, Question};
+use crate::primitives::PrimitiveTable;
+use crate::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
+
+/// Tests rays against the primitives that the cones around them touch.
+#[derive(Debug, Default)]
+pub struct HierarchyEngine {
+    config: Config,
+    table: PrimitiveTable,
+    arrangement: Arrangement,
+    tree: RayTree,
+    /// Nearest hits in the order of the arrangement.
+    nearest: Vec<Nearest>,
+    /// Lists and packets of tasks that are not running.
+    scratch: Mutex<Vec<Scratch>>,
+}
+
+impl HierarchyEngine {
+    /// An engine with an empty frame.
+    pub fn new(config: Config) -> Self {
+        Self { config, ..Self::default() }
+    }
+
+    /// Fills `nearest` for the whole batch; `t_bound` tells beyond which hits are of no interest.
+    fn trace(
+        &mut self,
+        rays: &RayBatch<'_>,
+        question: Question,
+        t_bound: &(impl Fn(usize) -> f32 + Sync),
+    ) -> TraceStats {
+        self.arrangement.assign(rays);
+        let mut stats = self.tree.build(rays, &self.arrangement, t_bound);
+        self.nearest.clear();
+        self.nearest.resize(self.arrangement.ray_idx.len(), Nearest::NONE);
+        let pass = refine::Pass {
+            simd: self.config.simd,
+            table: &self.table,
+            tree: &self.tree,
+            arrangement: &self.arrangement,
+            rays,
+            t_bound,
+            question,
+            scratch: &self.scratch,
+        };
+        stats += pass.run(&mut self.nearest);
+        stats
+    }
+
+    /// Position in the batch and nearest hit of each ray.
+    fn found(&self) -> impl Iterator<Item = (usize, Nearest)> + '_ {
+        let places = self.arrangement.ray_idx.iter().zip(&self.nearest);
+        places
+            .filter(|&(&ray_idx, _)| ray_idx != arrange::NO_RAY)
+            .map(|(&ray_idx, &nearest)| (ray_idx as usize, nearest))
+    }
+}
+
+impl RayEngine for HierarchyEngine {
+    fn kind(&self) -> EngineKind {
+        EngineKind::Hierarchy
+    }
+
+    fn commit(
+        &mut self,
+        geometry: &Geometry,
+        changes: &FrameChanges,
+    ) -> Result<CommitStats, EngineError> {
+        Ok(self.table.commit(geometry, changes))
+    }
+
+    fn closest_hit(&mut self, rays: &RayBatch<'_>, hits: &mut Hits<'_>) -> TraceStats {
+        assert_eq!(hits.len(), rays.len(), "there must be one hit for each ray");
+        let bounds: &[f32] = hits.t;
+        let stats = self.trace(rays, Question::Closest, &|ray_idx| bounds[ray_idx]);
+        offer_hits(&self.table, self.found(), hits);
+        stats
+    }
+
+    fn occluded(&mut self, rays: &RayBatch<'_>, occluded: &mut [bool]) -> TraceStats {
+        assert_eq!(occluded.len(), rays.len(), "there must be one answer for each ray");
+        let stats = self.trace(rays, Question::Occluded, &|_| f32::INFINITY);
+        occluded.fill(false);
+        for (ray_idx, nearest) in self.found() {
+            occluded[ray_idx] = nearest != Nearest::NONE;
+        }
+        stats
+    }
+
+    fn memory_usage(&self) -> usize {
+        let scratch =
+            self.scratch.lock().map_or(0, |pool| pool.iter().map(Scratch::memory_usage).sum());
+        self.table.memory_usage()
+            + self.arrangement.memory_usage()
+            + self.tree.memory_usage()
+            + self.nearest.capacity() * size_of::<Nearest>()
+            + scratch
+    }
+}
