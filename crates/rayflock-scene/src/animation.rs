@@ -7,7 +7,7 @@ use crate::sample::KeyValue;
 
 /// Shares of a frame that a clip may run over before it is given one more: file formats round
 /// their key times.
-const FRAME_TOLERANCE: f64 = 1e-3;
+pub(crate) const FRAME_TOLERANCE: f64 = 1e-3;
 
 /// A named animation, as a file stores it.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,14 +3,18 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, Mat3A};
-use rayflock_geom::{Aabb, FrameChanges, Geometry, GeometryObject, ObjectId};
+use rayflock_geom::{FrameChanges, Geometry, GeometryObject, ObjectId};
 
+use crate::animation::FRAME_TOLERANCE;
 use crate::pose::Pose;
 use crate::track::ObjectTrack;
 use crate::validate;
 use crate::{
     Clip, LightKind, MotionKind, NodeIdx, Scene, SceneError, SceneFrame, SceneObject, SurfaceMesh,
 };
+
+/// How long a mesh that moves for ever is looked at, in seconds.
+const ENDLESS_SECONDS: f64 = 10.0;
 
 /// Turns a scene into frames, one time after another.
 ///
@@ -48,6 +52,40 @@ impl Evaluator {
     /// The clip that is played.
     pub fn clip(&self) -> Option<&Clip> {
         self.clip_idx.map(|clip_idx| &self.scene.clips[clip_idx])
+    }
+
+    /// The first and last time in seconds between which something can change: from 0 to the end
+    /// of the clip, and the time ranges of all animated meshes. A mesh that moves for ever counts
+    /// as if it did so from 0 to 10 seconds. Where [`Scene::frame_count`] is stated, the frames
+    /// at the default rate.
+    pub fn time_range(&self) -> (f64, f64) {
+        if let Some(frame_count) = self.scene.frame_count {
+            let last_frame = frame_count.saturating_sub(1) as f64;
+            return (0.0, last_frame / self.scene.default_frame_rate());
+        }
+        let clip_end = self.clip().map_or(0.0, Clip::duration);
+        let meshes = self.tracks.iter().filter_map(ObjectTrack::time_range);
+        meshes.fold((0.0, clip_end), |(start, end): (f64, f64), (first, last)| {
+            let first = if first.is_finite() { first } else { 0.0 };
+            let last = if last.is_finite() { last } else { ENDLESS_SECONDS };
+            (start.min(first), end.max(last))
+        })
+    }
+
+    /// How many frames from time 0, at this many a second, show everything once: what
+    /// [`Scene::frame_count`] states, or else the frames of one round of the clip or up to the
+    /// last change of an animated mesh, whichever are more. At least 1.
+    pub fn frame_count(&self, frame_rate: f64) -> usize {
+        if let Some(frame_count) = self.scene.frame_count {
+            return frame_count;
+        }
+        let clip_frames = self.clip().map_or(1, |clip| clip.frame_count(frame_rate));
+        let mesh_frames = |last: f64| (last * frame_rate + FRAME_TOLERANCE) as usize;
+        let meshes = self.tracks.iter().filter_map(ObjectTrack::time_range);
+        meshes.fold(clip_frames, |frames, (_, last)| {
+            let last = if last.is_finite() { last } else { ENDLESS_SECONDS };
+            frames.max(mesh_frames(last).saturating_add(1))
+        })
     }
 
     /// How each object moves over the clip, in the order of [`Scene::objects`].
@@ -89,25 +127,23 @@ impl Evaluator {
         Ok(&self.frame)
     }
 
-    /// The box around everything over the whole clip, in world space.
-    ///
-    /// # Errors
-    /// As [`evaluate`](Self::evaluate).
-    pub fn bounds_over_clip(&mut self) -> Result<Aabb, SceneError> {
-        Ok(self.clone().evaluate(0.0)?.geometry.bounds())
-    }
-
     /// The objects in the world.
     fn geometry(&self, surfaces: &[SurfaceMesh]) -> Result<Geometry, SceneError> {
-        let object =
-            |((id, object), surface): ((u32, &SceneObject), &SurfaceMesh)| GeometryObject {
-                id: ObjectId(id),
-                mask: object.mask,
-                shape: Arc::clone(&surface.mesh),
-                world_from_object: object.node.map(|node| self.pose.world_from_node(node)),
-            };
-        let objects = (0..).zip(&self.scene.objects).zip(surfaces).map(object);
+        let objects = (0..).zip(&self.scene.objects).zip(&self.tracks).zip(surfaces);
+        let objects = objects.map(|(((id, object), track), surface)| GeometryObject {
+            id: ObjectId(id),
+            mask: object.mask,
+            shape: Arc::clone(&surface.mesh),
+            world_from_object: self.world_from_object(object, track),
+        });
         Ok(Geometry::new(objects.collect())?)
+    }
+
+    /// Where an object is; `None` where its vertices are in world space at all times.
+    fn world_from_object(&self, object: &SceneObject, track: &ObjectTrack) -> Option<Affine3A> {
+        let node = object.node.filter(|_| !track.is_skinned())?;
+        let place = self.pose.world_from_node(node);
+        (place != Affine3A::IDENTITY || self.pose.moves(node)).then_some(place)
     }
 
     /// The lights in world space.

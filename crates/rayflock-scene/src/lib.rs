@@ -10,6 +10,7 @@
 
 mod animated_mesh;
 mod animation;
+mod bounds_over_clip;
 pub mod builtin;
 mod camera;
 mod deform;
@@ -17,8 +18,10 @@ mod error;
 mod evaluator;
 mod frame;
 mod framing;
+mod key_times;
 mod light;
 mod material;
+mod mesh_sequence;
 mod motion;
 mod node;
 mod object;
@@ -28,6 +31,7 @@ mod scene;
 mod surface;
 mod track;
 mod validate;
+mod vertex_frames;
 
 pub use animated_mesh::AnimatedMesh;
 pub use animation::{Channel, ChannelValues, Clip, Interpolation};
@@ -38,8 +42,10 @@ pub use frame::SceneFrame;
 pub use framing::frame_bounds;
 pub use light::{Falloff, Light, LightKind};
 pub use material::{Background, Fresnel, Material, MaterialIdx, Texture, TextureIdx};
+pub use mesh_sequence::MeshSequence;
 pub use motion::MotionKind;
 pub use node::{LocalTransform, Node, NodeIdx};
 pub use object::{MorphTarget, SceneObject, Shape, Skin, VertexInfluences};
 pub use scene::Scene;
 pub use surface::{PrimMaterials, SurfaceAttributes, SurfaceMesh};
+pub use vertex_frames::{VertexFrames, VertexKey};

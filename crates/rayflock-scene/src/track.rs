@@ -80,6 +80,14 @@ impl ObjectTrack {
         }
     }
 
+    /// The time range of an animated mesh.
+    pub(crate) fn time_range(&self) -> Option<(f64, f64)> {
+        match self {
+            Self::Animated(track) => Some(track.mesh.time_range()),
+            Self::Fixed(_) | Self::Deformed(_) => None,
+        }
+    }
+
     /// Whether joints place the mesh, not its node.
     pub(crate) fn is_skinned(&self) -> bool {
         matches!(self, Self::Deformed(track) if track.skin.is_some())
