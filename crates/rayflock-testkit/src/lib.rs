@@ -4,12 +4,17 @@
 //! |---|---|
 //! | [`oracle`] | you want to know whether a hit is right |
 //! | [`image_difference()`] | you compare pictures |
+//! | [`scenes`] | you need geometry: odd, huge, broken, closed, moving |
+//! | [`rays`] | you need rays at it, in every form and with every hint |
 //! | [`Rng`] | you need numbers that a seed reproduces |
 #![forbid(unsafe_code)]
 
+mod aim;
 mod image_difference;
 pub mod oracle;
+pub mod rays;
 mod rng;
+pub mod scenes;
 
 pub use image_difference::{ImageDifference, image_difference};
 pub use rng::Rng;
