@@ -3,6 +3,7 @@
 //! | Part | Use it when |
 //! |---|---|
 //! | [`oracle`] | you want to know whether a hit is right |
+//! | [`cases`] | you have a small example and its exact answer |
 //! | [`image_difference()`] | you compare pictures |
 //! | [`scenes`] | you need geometry: odd, huge, broken, closed, moving |
 //! | [`rays`] | you need rays at it, in every form and with every hint |
@@ -10,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 mod aim;
+pub mod cases;
 mod image_difference;
 pub mod oracle;
 pub mod rays;
