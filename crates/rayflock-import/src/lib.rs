@@ -2,6 +2,7 @@
 //!
 //! | Format | Extensions | Read |
 //! |---|---|---|
+//! | glTF 2.0 | `.gltf`, `.glb` | meshes, instances, skins, morphs, clips, materials, cameras, lights |
 //! | STL | `.stl` | binary and ascii; corners at one place are welded |
 //!
 //! Each may be compressed: `.stl.gz` and so on. [`load`] chooses by extension.
@@ -26,11 +27,13 @@
 #![forbid(unsafe_code)]
 
 mod error;
+mod gltf;
 mod gz;
 mod job;
 mod mesh_parts;
 mod reporter;
 mod stl;
+mod texture;
 
 #[cfg(test)]
 mod tests;
@@ -43,7 +46,7 @@ pub use error::ImportError;
 pub use reporter::{Reporter, Warning};
 
 /// The extensions that are read, lower case, without `.gz`.
-pub const EXTENSIONS: &[&str] = &["stl"];
+pub const EXTENSIONS: &[&str] = &["gltf", "glb", "stl"];
 
 /// How to take what a file leaves open.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -98,6 +101,7 @@ type Importer = fn(Vec<u8>, &mut job::Job<'_>) -> Result<Scene, ImportError>;
 
 fn importer(extension: &str) -> Option<Importer> {
     match extension {
+        "gltf" | "glb" => Some(gltf::load),
         "stl" => Some(stl::load),
         _ => None,
     }

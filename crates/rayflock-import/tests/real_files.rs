@@ -1,0 +1,154 @@
+//! Real files load with the counts that the data's manifest states.
+//!
+//! The data is not part of the repository. `RAYFLOCK_DATA` says where it is; without it,
+//! `../shared/data` beside the repository is tried. Tests say so when they skip.
+
+use std::path::PathBuf;
+
+use rayflock_import::{Reporter, load};
+use rayflock_scene::{Scene, SceneObject, Shape, SurfaceMesh};
+
+/// The scene and its warnings, or `None` when the data is not there.
+fn load_data(relative: &str) -> Option<(Scene, Vec<String>)> {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
+    let folder = std::env::var_os("RAYFLOCK_DATA").map_or(PathBuf::from(beside), PathBuf::from);
+    let path = folder.join(relative);
+    if !path.exists() {
+        eprintln!("skipped: {} is not there (set RAYFLOCK_DATA)", path.display());
+        return None;
+    }
+    let mut reporter = Reporter::new();
+    let scene = load(&path, &mut reporter).unwrap_or_else(|error| panic!("{error}"));
+    Some((scene, reporter.warnings().iter().map(ToString::to_string).collect()))
+}
+
+fn surface(object: &SceneObject) -> &SurfaceMesh {
+    match &object.shape {
+        Shape::Fixed(mesh) | Shape::Deformed { rest: mesh, .. } => mesh,
+        Shape::Animated(_) => panic!("importers make no animated meshes of these files"),
+    }
+}
+
+fn triangle_count(scene: &Scene) -> usize {
+    scene.objects.iter().map(|object| surface(object).mesh.triangles().len()).sum()
+}
+
+fn vertex_count(scene: &Scene) -> usize {
+    scene.objects.iter().map(|object| surface(object).mesh.vertices().len()).sum()
+}
+
+/// Numbers of joints of the skins of all objects, each number once.
+fn joint_counts(scene: &Scene) -> Vec<usize> {
+    let mut counts: Vec<usize> = scene
+        .objects
+        .iter()
+        .filter_map(|object| match &object.shape {
+            Shape::Deformed { skin, .. } => skin.as_ref().map(|skin| skin.joints.len()),
+            _ => None,
+        })
+        .collect();
+    counts.dedup();
+    counts
+}
+
+fn target_counts(scene: &Scene) -> Vec<usize> {
+    let count = |object: &SceneObject| match &object.shape {
+        Shape::Deformed { targets, .. } => targets.len(),
+        _ => 0,
+    };
+    scene.objects.iter().map(count).collect()
+}
+
+fn longest_clip(scene: &Scene) -> f64 {
+    scene.clips.iter().map(rayflock_scene::Clip::duration).fold(0.0, f64::max)
+}
+
+fn check(relative: &str, triangles: usize, vertices: usize, clips: usize, seconds: f64) {
+    let Some((scene, warnings)) = load_data(relative) else { return };
+    println!("{relative}: {warnings:#?}");
+    assert_eq!(triangle_count(&scene), triangles);
+    assert_eq!(vertex_count(&scene), vertices);
+    assert_eq!(scene.clips.len(), clips);
+    assert!((longest_clip(&scene) - seconds).abs() < 2e-3, "{}", longest_clip(&scene));
+    assert!(!scene.materials.is_empty() && !scene.objects.is_empty());
+}
+
+#[test]
+fn the_fox_has_three_named_clips_a_skin_and_a_texture() {
+    check("fox/Fox.glb", 576, 1728, 3, 3.417);
+    let Some((scene, warnings)) = load_data("fox/Fox.glb") else { return };
+    let names: Vec<_> = scene.clips.iter().map(|clip| clip.name.as_str()).collect();
+    assert_eq!(names, ["Survey", "Walk", "Run"]);
+    assert_eq!(scene.clips.iter().map(|clip| clip.channels.len()).sum::<usize>(), 63);
+    assert_eq!(joint_counts(&scene), [24]);
+    assert_eq!((scene.textures.len(), warnings.len()), (1, 0), "{warnings:?}");
+    assert_eq!(surface(&scene.objects[0]).attributes.uvs.len(), 1728);
+}
+
+#[test]
+fn skinned_figures_have_their_joints() {
+    check("cesium-man/CesiumMan.glb", 4672, 3273, 1, 2.0);
+    check("mannequiny/mannequiny.glb", 13_832, 12_597, 10, 1.492);
+    for (file, count) in [("cesium-man/CesiumMan.glb", 19), ("mannequiny/mannequiny.glb", 45)] {
+        let Some((scene, _)) = load_data(file) else { return };
+        assert_eq!(joint_counts(&scene), [count], "{file}");
+    }
+}
+
+#[test]
+fn adventurers_have_many_clips_and_one_texture() {
+    check("kaykit-adventurers/Knight.glb", 6952, 7024, 76, 4.0);
+    check("kaykit-adventurers/Mage.glb", 5683, 5279, 76, 4.0);
+    let Some((scene, _)) = load_data("kaykit-adventurers/Knight.glb") else { return };
+    assert_eq!(joint_counts(&scene), [41]);
+    assert_eq!(scene.textures.len(), 1);
+    assert_eq!(scene.clips.iter().map(|clip| clip.channels.len()).sum::<usize>(), 8712);
+}
+
+#[test]
+fn skeletons_share_one_mesh() {
+    let Some((scene, _)) = load_data("recursive-skeletons/RecursiveSkeletons.glb") else { return };
+    assert_eq!((scene.objects.len(), triangle_count(&scene)), (84, 6384));
+    assert_eq!((scene.nodes.len(), scene.clips[0].channels.len()), (924, 840));
+    assert_eq!(joint_counts(&scene), [10]);
+    let first = &surface(&scene.objects[0]).mesh;
+    let shared = scene.objects.iter().all(|o| std::sync::Arc::ptr_eq(&surface(o).mesh, first));
+    assert!(shared);
+}
+
+#[test]
+fn morphs_have_their_targets() {
+    check("morph-stress-test/MorphStressTest.glb", 2412, 1528, 3, 9.367);
+    check("animated-morph-cube/AnimatedMorphCube.glb", 12, 24, 1, 4.2);
+    let Some((scene, _)) = load_data("morph-stress-test/MorphStressTest.glb") else { return };
+    assert_eq!(target_counts(&scene), [8, 8]);
+    let Some((scene, _)) = load_data("animated-morph-cube/AnimatedMorphCube.glb") else { return };
+    assert_eq!(target_counts(&scene), [2]);
+}
+
+#[test]
+fn rigid_clips_have_their_interpolations() {
+    check("interpolation-test/InterpolationTest.glb", 110, 220, 9, 1.708);
+    check("box-animated/BoxAnimated.glb", 254, 320, 1, 3.708);
+    check("houdini-rigid-fracture/derived_rigid_fracture.glb", 2204, 1600, 1, 127.0 / 24.0);
+    let Some((scene, _)) = load_data("interpolation-test/InterpolationTest.glb") else { return };
+    let kinds: std::collections::HashSet<_> = scene
+        .clips
+        .iter()
+        .flat_map(|clip| &clip.channels)
+        .map(|channel| format!("{:?}", channel.interpolation))
+        .collect();
+    assert_eq!(kinds.len(), 3, "{kinds:?}");
+}
+
+#[test]
+fn missing_textures_are_warnings() {
+    check("flight-helmet/FlightHelmet.gltf", 94_722, 55_392, 0, 0.0);
+    check("pigman/scene.gltf", 37_136, 27_754, 4, 1.35);
+    check("terrarium-robots/scene.gltf", 55_682, 44_381, 0, 0.0);
+    for file in ["flight-helmet/FlightHelmet.gltf", "pigman/scene.gltf"] {
+        let Some((scene, warnings)) = load_data(file) else { return };
+        assert!(scene.textures.is_empty());
+        assert!(warnings.iter().any(|warning| warning.contains("do without it")), "{warnings:?}");
+    }
+}
