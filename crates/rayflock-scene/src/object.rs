@@ -25,7 +25,7 @@ pub struct SceneObject {
 pub enum Shape {
     /// A mesh that moves with its node at most.
     Fixed(SurfaceMesh),
-    /// A mesh bent by morph targets, then by a skin.
+    /// A mesh bent by morph targets, then by a skin. Vertices bend; its spheres stay.
     Deformed {
         /// The mesh at rest.
         rest: SurfaceMesh,

@@ -98,7 +98,8 @@ impl KeyValue for Vec3 {}
 
 impl KeyValue for Quat {
     fn towards(self, other: Self, share: f32) -> Self {
-        if self == other { self } else { self.slerp(other, share) }
+        let valid = (self.made_valid(), other.made_valid());
+        if valid.0 == valid.1 { valid.0 } else { valid.0.slerp(valid.1, share) }
     }
 
     /// The rotation with unit length; none where it has no length.

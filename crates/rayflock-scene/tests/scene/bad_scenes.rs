@@ -2,19 +2,20 @@
 
 use std::sync::Arc;
 
-use glam::{Quat, Vec3};
+use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
 use rayflock_scene::{
-    Camera, Channel, ChannelValues, Clip, Evaluator, Interpolation, Light, LightKind, Material,
-    MaterialIdx, MeshSequence, MorphTarget, NodeIdx, PrimMaterials, Projection, Scene, Shape, Skin,
-    SurfaceAttributes, TextureIdx, VertexInfluences,
+    Camera, Channel, ChannelValues, Clip, Evaluator, Interpolation, Light, LightKind,
+    LocalTransform, Material, MaterialIdx, MeshSequence, MorphTarget, NodeIdx, PrimMaterials,
+    Projection, Scene, SceneError, Shape, Skin, SurfaceAttributes, TextureIdx, VertexInfluences,
+    frame_bounds,
 };
 
 use crate::build::{clip, morphed, node, object, scene, slide, triangle, two_joints, weights};
 
 fn message(scene: Scene) -> String {
     match Evaluator::new(Arc::new(scene), None) {
-        Ok(mut evaluator) => evaluator.evaluate(0.0).unwrap_err().to_string(),
+        Ok(mut evaluator) => evaluator.evaluate(0.0).expect_err("the scene is broken").to_string(),
         Err(error) => error.to_string(),
     }
 }
@@ -117,90 +118,116 @@ fn clips_that_are_not_played_may_be_wrong() {
     assert!(Evaluator::new(scene, Some("good")).is_ok());
 }
 
+/// Values that hurt: not finite, huge, zero.
+fn value() -> impl Strategy<Value = f32> {
+    prop_oneof![-2.0..2.0_f32, Just(f32::NAN), Just(f32::INFINITY), Just(f32::MAX), Just(0.0)]
+}
+
+/// A channel of one of three nodes, for one morph target, that hangs together.
 fn channel() -> impl Strategy<Value = Channel> {
     let interpolation = prop_oneof![
         Just(Interpolation::Step),
         Just(Interpolation::Linear),
         Just(Interpolation::CubicSpline)
     ];
-    let value = prop_oneof![-2.0..2.0_f32, Just(f32::NAN), Just(f32::MAX), Just(0.0_f32)];
-    let values = prop::collection::vec(value.clone(), 0..8);
-    let times = prop::collection::vec(value, 0..3);
-    (0..4_u32, times, interpolation, values, 0..6_usize).prop_map(
-        |(node, times, interpolation, values, kind)| {
-            let vectors = || values.iter().map(|&v| Vec3::splat(v)).collect();
+    let times = prop::collection::vec(-2.0..2.0_f32, 1..4);
+    let values = prop::collection::vec(prop::array::uniform4(value()), 9);
+    (0..3_u32, times, interpolation, values, 0..4).prop_map(
+        |(node, mut times, interpolation, mut values, kind)| {
+            times.sort_by(f32::total_cmp);
+            values.truncate(times.len() * interpolation.values_per_key());
+            let vectors = || values.iter().map(|v| Vec3::from_slice(v)).collect();
             let values = match kind {
                 0 => ChannelValues::Translation(vectors()),
                 1 => ChannelValues::Scale(vectors()),
-                2 => ChannelValues::Rotation(
-                    values.iter().map(|&v| Quat::from_array([v; 4])).collect(),
-                ),
-                count => ChannelValues::Weights { weights_per_key: count - 3, values },
+                2 => ChannelValues::Rotation(values.iter().map(|&v| Quat::from_array(v)).collect()),
+                _ => weights(1, &values.iter().map(|v| v[0]).collect::<Vec<_>>()),
             };
             Channel { node: NodeIdx(node), times, interpolation, values }
         },
     )
 }
 
-/// A scene whose numbers, lengths and positions fit together by chance only.
-fn any_scene() -> impl Strategy<Value = Scene> {
-    let parent = prop::option::weighted(0.4, 0..3_u32);
-    let nodes = prop::collection::vec(parent, 1..4);
-    let channels = prop::collection::vec(channel(), 0..3);
-    let target = (0..2_usize, 0..2_usize);
-    let targets = prop::collection::vec(target, 0..3);
-    let skin = prop::option::of((prop::collection::vec(0..4_u32, 0..3), 2..4_usize, 0..3_u16));
-    (nodes, channels, targets, skin, 0..2_u32, 0..4_u32).prop_map(
-        |(nodes, channels, targets, skin, material, carrier)| {
-            let offsets = |some| vec![Vec3::X; 3 * some];
-            let targets = targets.into_iter().map(|(positions, normals)| MorphTarget {
-                positions: offsets(positions),
-                normals: offsets(normals),
-            });
-            let skin = skin.map(|(joints, count, joint)| {
-                let influences = vec![VertexInfluences::new([(joint, 1.0), (0, 0.5)]); count];
-                let joints = joints.into_iter().map(NodeIdx).map(|j| (j, glam::Affine3A::NAN));
-                Arc::new(Skin { joints: joints.collect(), influences })
-            });
-            let mut rest = triangle();
-            rest.attributes = Arc::new(SurfaceAttributes {
-                materials: PrimMaterials::PerPrim(vec![MaterialIdx(material)]),
-                ..SurfaceAttributes::default()
-            });
-            let shape = Shape::Deformed { rest, targets: targets.collect(), skin };
-            let nodes = nodes.into_iter().map(|parent| node(parent, Vec3::MAX)).collect();
-            let mut scene = scene(nodes, vec![object("any", Some(carrier), shape)]);
-            scene.clips = vec![Clip { name: "any".to_owned(), channels }];
-            scene.lights = vec![Light {
-                name: String::new(),
-                node: Some(NodeIdx(carrier)),
-                kind: LightKind::Directional { direction: Vec3::ZERO, irradiance: Vec3::ONE },
-            }];
-            scene.cameras = vec![Camera {
-                name: String::new(),
-                node: Some(NodeIdx(material)),
-                node_from_camera: glam::Affine3A::ZERO,
-                projection: Projection::Orthographic { height: 0.0 },
-            }];
-            scene
-        },
-    )
+/// A scene of odd numbers that hangs together: three nodes, a mesh with a morph target and
+/// perhaps a skin, a light and a camera.
+fn odd_scene() -> impl Strategy<Value = Scene> {
+    let numbers = prop::collection::vec(value(), 12);
+    let channels = prop::collection::vec(channel(), 0..6);
+    (numbers, channels, any::<bool>()).prop_map(|(numbers, channels, skinned)| {
+        let vector = |i| Vec3::from_slice(&numbers[i..]);
+        let matrix = Affine3A::from_cols_slice(&numbers);
+        let mut nodes: Vec<_> =
+            [None, Some(2), Some(0)].map(|parent| node(parent, vector(0))).into();
+        nodes[2].rest = LocalTransform::Matrix(matrix);
+        let skin = skinned.then(|| {
+            let mut skin = two_joints(1, 2);
+            skin.joints[1].1 = matrix;
+            skin.influences[2].weights[0] = numbers[5];
+            skin
+        });
+        let mut scene = scene(nodes, vec![object("any", Some(1), morphed(skin))]);
+        scene.clips = vec![Clip { name: "any".to_owned(), channels }];
+        let kind = LightKind::Directional { direction: vector(3), irradiance: vector(6) };
+        scene.lights = vec![Light { name: String::new(), node: Some(NodeIdx(0)), kind }];
+        scene.cameras = vec![Camera {
+            name: String::new(),
+            node: Some(NodeIdx(1)),
+            node_from_camera: matrix,
+            projection: Projection::Orthographic { height: numbers[9] },
+        }];
+        scene
+    })
+}
+
+/// Breaks one thing in a scene, where there is that thing.
+fn break_something(scene: &mut Scene, which: u32) {
+    let far = NodeIdx(3 + which);
+    let channel = scene.clips[0].channels.first_mut();
+    let Shape::Deformed { rest, targets, skin } = &mut scene.objects[0].shape else { return };
+    let skin = skin.as_mut().map(Arc::make_mut);
+    match which {
+        0 => scene.nodes[1].parent = Some(far),
+        1 => scene.nodes[0].parent = Some(NodeIdx(1)),
+        2 => scene.objects[0].node = Some(far),
+        3 => scene.lights[0].node = Some(far),
+        4 => scene.cameras[0].node = Some(far),
+        5 => scene.materials.clear(),
+        6 => rest.normals = vec![Vec3::Z].into(),
+        7 => Arc::make_mut(targets)[0].normals.push(Vec3::X),
+        8 => skin.into_iter().for_each(|skin| skin.joints[0].0 = far),
+        9 => skin.into_iter().for_each(|skin| skin.influences.clear()),
+        10 => skin.into_iter().for_each(|skin| skin.joints.clear()),
+        11 => channel.into_iter().for_each(|channel| channel.node = far),
+        12 => channel.into_iter().for_each(|channel| channel.times.clear()),
+        13 => channel.into_iter().for_each(|channel| channel.times.push(f32::MAX)),
+        14 => channel.into_iter().for_each(|channel| channel.times[0] = f32::NAN),
+        _ => channel.into_iter().for_each(|channel| channel.values = weights(usize::MAX, &[0.0])),
+    }
+}
+
+/// Evaluates a scene in every way.
+fn evaluate(scene: Scene, time: f64) -> Result<(), SceneError> {
+    let mut evaluator = Evaluator::new(Arc::new(scene), None)?;
+    for time in [0.0, time, 0.5] {
+        evaluator.evaluate(time)?;
+    }
+    evaluator.motion_kinds();
+    evaluator.frame_count(time);
+    frame_bounds(&evaluator.bounds_over_clip()?, time as f32);
+    Ok(())
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
     #[test]
-    fn no_scene_makes_it_panic(scene in any_scene(), time in prop::num::f64::ANY) {
-        let scene = Arc::new(scene);
-        let found = Evaluator::new(Arc::clone(&scene), None);
-        if let Ok(mut evaluator) = found {
-            for time in [0.0, time, 0.5] {
-                let frame = evaluator.evaluate(time);
-                prop_assert!(frame.is_ok(), "{frame:?}");
-            }
-            evaluator.motion_kinds();
-            evaluator.frame_count(time);
-            prop_assert!(evaluator.bounds_over_clip().is_ok());
-        }
+    fn odd_numbers_make_frames(scene in odd_scene(), time in prop::num::f64::ANY) {
+        prop_assert_eq!(evaluate(scene, time), Ok(()));
+    }
+
+    #[test]
+    fn what_is_broken_is_told_without_panic(mut scene in odd_scene(), which in 0..16_u32) {
+        let before = format!("{scene:?}");
+        break_something(&mut scene, which);
+        let broken = format!("{scene:?}") != before;
+        prop_assert_eq!(evaluate(scene, 0.5).is_err(), broken);
     }
 }

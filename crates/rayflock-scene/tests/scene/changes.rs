@@ -14,7 +14,13 @@ use crate::build::{
 };
 
 fn changes(evaluator: &mut Evaluator, time: f64) -> Vec<ObjectChange> {
-    evaluator.evaluate(time).unwrap().changes.iter().map(|(_, change)| change).collect()
+    evaluator
+        .evaluate(time)
+        .expect("the scene can be evaluated")
+        .changes
+        .iter()
+        .map(|(_, change)| change)
+        .collect()
 }
 
 /// Objects of every kind: fixed, rigid, morphed, skinned.

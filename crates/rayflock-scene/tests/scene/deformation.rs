@@ -12,7 +12,7 @@ use crate::build::{
 
 /// Positions and normals of object 0, and whether it has a transform.
 fn posed(evaluator: &mut Evaluator, time: f64) -> (Vec<Vec3>, Vec<Vec3>, Option<Affine3A>) {
-    let frame = evaluator.evaluate(time).unwrap();
+    let frame = evaluator.evaluate(time).expect("the scene can be evaluated");
     let surface = &frame.surfaces[0];
     let place = frame.geometry.objects()[0].world_from_object;
     (surface.mesh.vertices().to_vec(), surface.normals.to_vec(), place)

@@ -38,7 +38,8 @@ fn moving_scene() -> impl Strategy<Value = Scene> {
             let positions = vec![Vec3::splat(time as f32), Vec3::X, Vec3::Y];
             VertexKey { time, positions, normals: vec![Vec3::Z; 3] }
         };
-        let cloth = VertexFrames::new(&triangle(), vec![key(0.5), key(1.0)]).unwrap();
+        let cloth =
+            VertexFrames::new(&triangle(), vec![key(0.5), key(1.0)]).expect("times increase");
         let objects = vec![
             object("rigid", Some(1), Shape::Fixed(triangle())),
             object("morphed", Some(2), morphed(None)),
