@@ -13,6 +13,7 @@ mod cornell;
 mod keyed_path;
 pub mod museum;
 mod random;
+mod shatter;
 mod surface_builder;
 #[cfg(test)]
 mod tests;
@@ -46,6 +47,11 @@ const BUILTINS: &[Builtin] = &[
         about: "a glass sphere circles a mirror sphere in a box with coloured walls",
         frame_count: cornell::FRAME_COUNT,
     },
+    Builtin {
+        name: "shatter",
+        about: "a porcelain knot is struck and its 23,040 triangles fly off one by one",
+        frame_count: shatter::FRAME_COUNT,
+    },
     museum("museum3", "64 triangles swarm and take shape in a mirrored hall"),
     museum("museum4", "256 triangles swarm and take shape in a mirrored hall"),
     museum("museum5", "1,024 triangles swarm and take shape in a mirrored hall"),
@@ -64,6 +70,7 @@ pub fn build(name: &str) -> Option<Scene> {
     all().iter().find(|builtin| builtin.name == name)?;
     match name {
         "cornell" => Some(cornell::build()),
+        "shatter" => Some(shatter::build()),
         _ => museum::build(name.strip_prefix("museum")?.parse().ok()?),
     }
 }
