@@ -9,11 +9,17 @@
 
 mod error;
 mod film;
+mod frame_shading;
+mod lights;
+pub mod reference;
 mod renderer;
 mod settings;
+mod shading;
+mod stages;
 mod stats;
 pub mod tonemap;
 mod view;
+mod wave;
 mod whitted;
 
 pub use error::RenderError;

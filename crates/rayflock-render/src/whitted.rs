@@ -1,34 +1,299 @@
-//! The wavefront Whitted renderer.
+//! The wavefront Whitted renderer: whole batches of rays through any engine.
+//!
+//! The film is rendered in bands of rows, each sample of a band as one wave of rays from the
+//! camera. A wave is traced, shaded and lit; its mirrored and refracted rays make the next wave.
+//! Where both together exceed the batch limit, they make two, and the second waits; so at most
+//! one wave a bounce waits, and memory is bounded by the limit times the depth.
+//!
+//! **Source**: T. Whitted, *An Improved Illumination Model for Shaded Display*, CACM 23(6), 1980;
+//! S. Laine, T. Karras, T. Aila, *Megakernels Considered Harmful: Wavefront Path Tracing on GPUs*,
+//! HPG 2013, for stages over whole batches.
+//!
+//! **Invariants**: the picture does not depend on the engine, the number of threads, or the batch
+//! limit; agrees with [`reference`](crate::reference) up to rounding.
+//!
+//! **Cost**: buffers are kept from batch to batch and frame to frame; about 300 bytes for each
+//! ray of the largest batch.
+
+use std::ops::Range;
 
 use rayflock_engine::{CommitStats, RayEngine};
-use rayflock_scene::{Scene, SceneFrame};
+use rayflock_geom::HitBuffer;
+use rayflock_scene::{Background, LightKind, Scene, SceneFrame};
 
+use crate::frame_shading::FrameShading;
+use crate::lights::key_light::key_light;
+use crate::shading::background::{self, DEFAULT_SKY};
+use crate::stages::accumulate::BandSums;
+use crate::stages::camera_rays::{TILE, camera_rays};
+use crate::stages::shade_surface::{Surroundings, shade_surface};
+use crate::stages::shadow_rays::{ShadowTarget, shadow_batch, shadow_rays};
+use crate::stats::Stopwatch;
+use crate::wave::{ShadedRun, ShadowWave, Wave};
 use crate::{Film, FrameRenderer, FrameStats, RenderError, RenderSettings, View};
 
 /// Renders frames in whole batches of rays over any engine.
 #[derive(Debug)]
 pub struct WhittedRenderer {
     engine: Box<dyn RayEngine>,
+    /// The committed frame, if there is one.
+    frame: Option<FrameShading>,
+    buffers: Buffers,
+}
+
+/// Working memory, kept from batch to batch.
+#[derive(Debug, Default)]
+struct Buffers {
+    /// Waves to be traced, the next one last.
+    pending: Vec<Wave>,
+    /// Waves out of use.
+    spare: Vec<Wave>,
+    hits: HitBuffer,
+    runs: Vec<ShadedRun>,
+    shadow: ShadowWave,
+    occluded: Vec<bool>,
+    sums: BandSums,
+}
+
+/// What stays the same for one picture.
+struct Picture<'a> {
+    settings: RenderSettings,
+    surroundings: Surroundings<'a>,
+    lights: Vec<LightKind>,
 }
 
 impl WhittedRenderer {
     /// A renderer that traces with `engine`.
     pub fn new(engine: Box<dyn RayEngine>) -> Self {
-        Self { engine }
+        Self { engine, frame: None, buffers: Buffers::default() }
+    }
+
+    /// The engine.
+    pub fn engine(&self) -> &dyn RayEngine {
+        &*self.engine
     }
 }
 
 impl FrameRenderer for WhittedRenderer {
-    fn commit(&mut self, _scene: &Scene, frame: &SceneFrame) -> Result<CommitStats, RenderError> {
-        Ok(self.engine.commit(&frame.geometry, &frame.changes)?)
+    fn commit(&mut self, scene: &Scene, frame: &SceneFrame) -> Result<CommitStats, RenderError> {
+        self.frame = None;
+        let shading = FrameShading::new(scene, frame)?;
+        let stats = self.engine.commit(&frame.geometry, &frame.changes)?;
+        self.frame = Some(shading);
+        Ok(stats)
     }
 
-    fn render(&mut self, _view: &View, _settings: &RenderSettings, film: &mut Film) -> FrameStats {
-        film.pixels_mut().fill([0.0; 3]);
-        FrameStats::default()
+    fn render(&mut self, view: &View, settings: &RenderSettings, film: &mut Film) -> FrameStats {
+        let settings = settings.clamped();
+        let Some(frame) = &self.frame else {
+            let background = settings.background.unwrap_or(DEFAULT_SKY);
+            return render_background(view, &background, &mut self.buffers, film);
+        };
+        let picture = Picture::new(frame, view, settings);
+        let stopwatch = Stopwatch::start();
+        let (size, dropped_before) = ((film.width(), film.height()), self.buffers.sums.dropped());
+        let mut stats = FrameStats::default();
+        for rows in bands(size, picture.settings.batch_rays) {
+            let engine = &mut *self.engine;
+            picture.render_band(engine, view, size, &rows, &mut self.buffers, &mut stats);
+            let pixels = &mut film.pixels_mut()[rows.start * size.0..rows.end * size.0];
+            self.buffers.sums.write(picture.settings.samples_per_pixel, pixels);
+        }
+        stats.dropped = self.buffers.sums.dropped() - dropped_before;
+        stats.shade_seconds = (stopwatch.seconds() - stats.trace_seconds).max(0.0);
+        stats
     }
 
     fn memory_usage(&self) -> usize {
-        self.engine.memory_usage()
+        let frame = self.frame.as_ref().map_or(0, FrameShading::memory_usage);
+        self.engine.memory_usage() + frame + self.buffers.memory_usage()
+    }
+}
+
+/// The rows of the film in bands of at most `batch_rays` pixels, but at least one row; of whole
+/// tiles where that fits.
+fn bands((width, height): (usize, usize), batch_rays: usize) -> impl Iterator<Item = Range<usize>> {
+    let rows = (batch_rays / width.max(1)).clamp(1, height.max(1));
+    let rows = if rows > TILE { rows - rows % TILE } else { rows };
+    (0..height).step_by(rows).map(move |start| start..(start + rows).min(height))
+}
+
+/// A picture of nothing.
+fn render_background(
+    view: &View,
+    background: &Background,
+    buffers: &mut Buffers,
+    film: &mut Film,
+) -> FrameStats {
+    let (width, height) = (film.width(), film.height());
+    let mut wave = buffers.spare.pop().unwrap_or_default();
+    for y in 0..height {
+        camera_rays(view, (width, height), y..y + 1, 0, &mut wave);
+        let batch = wave.batch();
+        for (ray_idx, path) in wave.paths.iter().enumerate() {
+            let radiance = background::radiance(background, batch.ray(ray_idx).direction);
+            film.pixels_mut()[y * width + path.pixel_idx as usize] = radiance.to_array();
+        }
+    }
+    buffers.spare.push(wave);
+    FrameStats::default()
+}
+
+impl<'a> Picture<'a> {
+    fn new(frame: &'a FrameShading, view: &View, settings: RenderSettings) -> Self {
+        let sky_lights = frame.lights.are_missing();
+        let lights = if sky_lights {
+            vec![key_light(&view.world_from_camera)]
+        } else {
+            frame.lights.lights.clone()
+        };
+        let background = settings.background.or(frame.background).unwrap_or(DEFAULT_SKY);
+        let surroundings = Surroundings { frame, background, sky_lights, depth: settings.depth };
+        Self { settings, surroundings, lights }
+    }
+
+    /// Renders all samples of a band of rows into the sums.
+    fn render_band(
+        &self,
+        engine: &mut dyn RayEngine,
+        view: &View,
+        size: (usize, usize),
+        rows: &Range<usize>,
+        buffers: &mut Buffers,
+        stats: &mut FrameStats,
+    ) {
+        buffers.sums.reset(size.0 * rows.len());
+        for sample_idx in 0..self.settings.samples_per_pixel {
+            let mut wave = buffers.spare.pop().unwrap_or_default();
+            camera_rays(view, size, rows.clone(), sample_idx, &mut wave);
+            stats.rays.primary += wave.len() as u64;
+            let limit = self.settings.batch_rays.max(wave.len());
+            buffers.pending.push(wave);
+            while let Some(wave) = buffers.pending.pop() {
+                self.trace_wave(engine, &wave, sample_idx, buffers, stats);
+                buffers.spare.push(wave);
+                next_waves(buffers, limit, stats);
+            }
+        }
+    }
+
+    /// Traces, shades and lights one wave.
+    fn trace_wave(
+        &self,
+        engine: &mut dyn RayEngine,
+        wave: &Wave,
+        sample_idx: u32,
+        buffers: &mut Buffers,
+        stats: &mut FrameStats,
+    ) {
+        buffers.hits.reset(wave.len());
+        let stopwatch = Stopwatch::start();
+        stats.trace += engine.closest_hit(&wave.batch(), &mut buffers.hits.as_hits());
+        stats.trace_seconds += stopwatch.seconds();
+
+        shade_surface(&self.surroundings, wave, &buffers.hits, &mut buffers.runs);
+        buffers.sums.add_unshadowed(&buffers.runs);
+        for light in &self.lights {
+            self.light(engine, ShadowTarget::Light(light), buffers, stats);
+        }
+        let emitters = &self.surroundings.frame.lights.emitters;
+        if !emitters.is_empty() {
+            let sample_count = self.settings.light_samples;
+            for light_sample in 0..sample_count {
+                let sample_idx = sample_idx.wrapping_mul(sample_count).wrapping_add(light_sample);
+                let target = ShadowTarget::Emitters { emitters, sample_idx, sample_count };
+                self.light(engine, target, buffers, stats);
+            }
+        }
+    }
+
+    /// Adds what one light sends to the points of the current wave.
+    fn light(
+        &self,
+        engine: &mut dyn RayEngine,
+        target: ShadowTarget<'_>,
+        buffers: &mut Buffers,
+        stats: &mut FrameStats,
+    ) {
+        shadow_rays(target, &mut buffers.runs, &mut buffers.shadow);
+        let count = buffers.shadow.contributions.len();
+        buffers.occluded.clear();
+        buffers.occluded.resize(count, false);
+        if self.settings.shadows && count > 0 {
+            let batch = shadow_batch(target, &buffers.shadow);
+            let stopwatch = Stopwatch::start();
+            stats.trace += engine.occluded(&batch, &mut buffers.occluded);
+            stats.trace_seconds += stopwatch.seconds();
+            stats.rays.shadow += count as u64;
+        }
+        buffers.sums.add_lit(&buffers.shadow.contributions, &buffers.occluded);
+    }
+}
+
+/// Makes the mirrored and refracted rays of the runs waves to be traced: one where both fit in
+/// `limit` rays, else two.
+fn next_waves(buffers: &mut Buffers, limit: usize, stats: &mut FrameStats) {
+    let count_of = |wave: fn(&ShadedRun) -> &Wave| -> usize {
+        buffers.runs.iter().map(|run| wave(run).len()).sum()
+    };
+    let (mirrored, refracted) = (count_of(|run| &run.mirror), count_of(|run| &run.refraction));
+    stats.rays.mirror += mirrored as u64;
+    stats.rays.refraction += refracted as u64;
+
+    let mut mirror = buffers.spare_wave();
+    for run in &buffers.runs {
+        mirror.bounce = run.mirror.bounce;
+        mirror.extend(&run.mirror);
+    }
+    if mirrored + refracted <= limit {
+        buffers.runs.iter().for_each(|run| mirror.extend(&run.refraction));
+    } else {
+        let mut refraction = buffers.spare_wave();
+        refraction.bounce = mirror.bounce;
+        buffers.runs.iter().for_each(|run| refraction.extend(&run.refraction));
+        buffers.enqueue(refraction);
+    }
+    buffers.enqueue(mirror);
+}
+
+impl Buffers {
+    fn spare_wave(&mut self) -> Wave {
+        let mut wave = self.spare.pop().unwrap_or_default();
+        wave.clear(0);
+        wave
+    }
+
+    fn enqueue(&mut self, wave: Wave) {
+        let queue = if wave.len() > 0 { &mut self.pending } else { &mut self.spare };
+        queue.push(wave);
+    }
+
+    fn memory_usage(&self) -> usize {
+        let waves = self.pending.iter().chain(&self.spare).map(Wave::memory_usage);
+        let hits = self.hits.t.capacity() * (size_of::<f32>() * 3 + size_of::<u32>() * 2);
+        waves.sum::<usize>()
+            + self.runs.iter().map(ShadedRun::memory_usage).sum::<usize>()
+            + hits
+            + self.shadow.memory_usage()
+            + self.occluded.capacity()
+            + self.sums.memory_usage()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_cover_the_film_once() {
+        for (size, limit) in [((640, 480), 1 << 17), ((7, 5), 1), ((3, 100), 64), ((0, 0), 10)] {
+            let mut next = 0;
+            for rows in bands(size, limit) {
+                assert_eq!(rows.start, next);
+                assert!(rows.len() == 1 || rows.len() * size.0 <= limit);
+                next = rows.end;
+            }
+            assert_eq!(next, size.1);
+        }
     }
 }

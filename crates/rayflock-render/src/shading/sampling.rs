@@ -1,0 +1,103 @@
+//! Sample positions: low-discrepancy, and the same whoever asks for them in which order.
+//!
+//! Points come from an additive recurrence with the generalised golden ratio, in 32-bit fixed
+//! point, rotated by a hash of the path. A path is known by the pixel it started from and its
+//! turns, not by its place in a batch, so batches can be cut anywhere.
+//!
+//! **Source**: M. Roberts, *The Unreasonable Effectiveness of Quasirandom Sequences* (2018), for
+//! the recurrence; R. Cranley and T. Patterson, *Randomization of Number Theoretic Methods for
+//! Multiple Integration* (1976), for the rotation; C. Wellons, *Prospecting for Hash Functions*
+//! (2018), for the hash.
+
+use glam::Vec2;
+
+/// Powers of the inverse generalised golden ratio in two dimensions, times `2^32`.
+const RATIO_2: [u32; 2] = [0xc13f_a9a9, 0x91e1_0da6];
+/// The same in three dimensions.
+const RATIO_3: [u32; 3] = [0xd1b5_4a33, 0xabc9_8389, 0x8cb9_2ba7];
+const HALF: u32 = 1 << 31;
+
+/// The identity of a path from the camera: its pixel and its turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct PathSeed(u32);
+
+/// How a path goes on at a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Turn {
+    Mirror,
+    Refraction,
+}
+
+impl PathSeed {
+    /// No path.
+    pub(crate) const NONE: Self = Self(0);
+
+    /// The path through pixel (`x`, `y`) of the film.
+    pub(crate) fn of_pixel(x: usize, y: usize) -> Self {
+        Self(hash(x as u32 ^ hash(y as u32)))
+    }
+
+    /// The path after a turn.
+    pub(crate) fn after(self, turn: Turn) -> Self {
+        Self(hash(self.0 ^ (0x9e37_79b9 + turn as u32)))
+    }
+
+    /// Point `sample_idx` of this path's sequence in the unit cube.
+    pub(crate) fn unit_cube(self, sample_idx: u32) -> [f32; 3] {
+        let rotation = |axis: u32| hash(self.0.wrapping_add(axis));
+        [0, 1, 2].map(|axis| {
+            let step = sample_idx.wrapping_mul(RATIO_3[axis as usize]);
+            unit_float(rotation(axis).wrapping_add(step))
+        })
+    }
+}
+
+/// Where sample `sample_idx` lies in its pixel, in `0..1` from the top left; the first is the
+/// centre.
+pub(crate) fn subpixel(sample_idx: u32) -> Vec2 {
+    let [x, y] = RATIO_2.map(|ratio| unit_float(HALF.wrapping_add(sample_idx.wrapping_mul(ratio))));
+    Vec2::new(x, y)
+}
+
+fn hash(mut x: u32) -> u32 {
+    x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
+    x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+/// The upper 24 bits as a fraction in `0..1`.
+fn unit_float(bits: u32) -> f32 {
+    (bits >> 8) as f32 / (1 << 24) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_sample_is_the_pixel_centre_and_all_lie_inside() {
+        assert_eq!(subpixel(0), Vec2::splat(0.5));
+        for sample_idx in 0..1000 {
+            let position = subpixel(sample_idx);
+            assert!(position.cmpge(Vec2::ZERO).all() && position.cmplt(Vec2::ONE).all());
+        }
+    }
+
+    #[test]
+    fn sixteen_samples_fall_into_all_four_quarters_evenly() {
+        let mut counts = [0; 4];
+        for sample_idx in 0..16 {
+            let position = subpixel(sample_idx);
+            counts[usize::from(position.x < 0.5) + 2 * usize::from(position.y < 0.5)] += 1;
+        }
+        assert!(counts.iter().all(|count| (3..=5).contains(count)), "{counts:?}");
+    }
+
+    #[test]
+    fn paths_have_sequences_of_their_own_with_the_right_mean() {
+        let seed = PathSeed::of_pixel(3, 5);
+        assert_ne!(seed.after(Turn::Mirror), seed.after(Turn::Refraction));
+        let mean = |axis: usize| (0..256).map(|i| seed.unit_cube(i)[axis]).sum::<f32>() / 256.0;
+        assert!((0..3).all(|axis| (mean(axis) - 0.5).abs() < 0.02));
+    }
+}

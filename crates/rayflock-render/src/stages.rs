@@ -1,0 +1,24 @@
+//! The stages of the wavefront renderer, in the order in which they run.
+//!
+//! ```text
+//! band of rows, sample:  camera_rays
+//! wave of rays:            engine: closest_hit
+//!                          shade_surface  -> unshadowed light, lit points,
+//!                            mirror_rays     mirrored rays,
+//!                            refraction_rays refracted rays
+//! light:                   shadow_rays -> engine: occluded -> accumulate
+//! next bounce:             mirrored and refracted rays, as one wave
+//! ```
+//!
+//! Stages work on runs of [`RUN`] rays in parallel; what the runs give is put together in their
+//! order, so the picture does not depend on the number of threads.
+
+pub(crate) mod accumulate;
+pub(crate) mod camera_rays;
+pub(crate) mod mirror_rays;
+pub(crate) mod refraction_rays;
+pub(crate) mod shade_surface;
+pub(crate) mod shadow_rays;
+
+/// Rays that one task shades.
+pub(crate) const RUN: usize = 2048;

@@ -1,0 +1,196 @@
+//! Rays of one bounce, and the columns that stages hand to each other.
+
+use glam::Vec3;
+use rayflock_geom::{Column, RayBatch, RayOrder};
+
+use crate::shading::sampling::PathSeed;
+
+/// What a ray carries besides its geometry.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Path {
+    /// Multiplies what the ray finds.
+    pub(crate) weight: Vec3,
+    /// Absorption of what the ray passes through, per scene unit.
+    pub(crate) absorption: Vec3,
+    /// The pixel, counted by rows within the band.
+    pub(crate) pixel_idx: u32,
+    /// Chooses the sample points on emitters.
+    pub(crate) seed: PathSeed,
+}
+
+/// Rays of one bounce, in image order as far as they go back to different pixels.
+#[derive(Debug, Default)]
+pub(crate) struct Wave {
+    /// The turns behind these rays: 0 for rays from the camera.
+    pub(crate) bounce: u32,
+    /// Origins; empty where all rays share one.
+    pub(crate) origins: Vec<Vec3>,
+    /// Directions; empty where all rays share one.
+    pub(crate) directions: Vec<Vec3>,
+    /// One a ray.
+    pub(crate) paths: Vec<Path>,
+    /// The origin or direction that all rays share.
+    pub(crate) shared: Shared,
+    /// What neighbours have in common.
+    pub(crate) order: RayOrder,
+}
+
+/// What the rays of a wave share, so that engines can make use of it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) enum Shared {
+    /// Nothing: both columns are full.
+    #[default]
+    Nothing,
+    /// The origin, as from a pinhole.
+    Origin(Vec3),
+    /// The direction, as of an orthographic camera.
+    Direction(Vec3),
+}
+
+impl Wave {
+    /// Number of rays.
+    pub(crate) fn len(&self) -> usize {
+        self.paths.len()
+    }
+
+    /// Makes this a wave without rays, keeping its memory.
+    pub(crate) fn clear(&mut self, bounce: u32) {
+        self.bounce = bounce;
+        self.origins.clear();
+        self.directions.clear();
+        self.paths.clear();
+        self.shared = Shared::Nothing;
+        self.order = RayOrder::Coherent;
+    }
+
+    /// Adds a ray to a wave that shares nothing.
+    pub(crate) fn push(&mut self, origin: Vec3, direction: Vec3, path: Path) {
+        self.origins.push(origin);
+        self.directions.push(direction);
+        self.paths.push(path);
+    }
+
+    /// Adds the rays of another wave; neither shares anything.
+    pub(crate) fn extend(&mut self, other: &Self) {
+        self.origins.extend_from_slice(&other.origins);
+        self.directions.extend_from_slice(&other.directions);
+        self.paths.extend_from_slice(&other.paths);
+    }
+
+    /// The rays as a question to an engine.
+    pub(crate) fn batch(&self) -> RayBatch<'_> {
+        let (origins, directions) = (Column::from(&self.origins), Column::from(&self.directions));
+        let batch = match self.shared {
+            Shared::Nothing => RayBatch::new(origins, directions),
+            Shared::Origin(origin) => RayBatch::new(origin, directions),
+            Shared::Direction(direction) => RayBatch::new(origins, direction),
+        };
+        let Ok(batch) = batch else { unreachable!("the columns of a wave have one length") };
+        batch.with_order(self.order)
+    }
+
+    /// Bytes held.
+    pub(crate) fn memory_usage(&self) -> usize {
+        self.origins.capacity() * size_of::<Vec3>()
+            + self.directions.capacity() * size_of::<Vec3>()
+            + self.paths.capacity() * size_of::<Path>()
+    }
+}
+
+/// Light on its way to a pixel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Contribution {
+    /// The pixel, counted by rows within the band.
+    pub(crate) pixel_idx: u32,
+    /// Radiance to add.
+    pub(crate) radiance: Vec3,
+}
+
+/// Shadow rays toward one light, with what arrives if nothing is in the way.
+#[derive(Debug, Default)]
+pub(crate) struct ShadowWave {
+    /// Origins; empty where the light is the origin.
+    pub(crate) origins: Vec<Vec3>,
+    /// Directions; empty where the light has one.
+    pub(crate) directions: Vec<Vec3>,
+    /// One a ray.
+    pub(crate) contributions: Vec<Contribution>,
+}
+
+impl ShadowWave {
+    /// Makes this a wave without rays, keeping its memory.
+    pub(crate) fn clear(&mut self) {
+        self.origins.clear();
+        self.directions.clear();
+        self.contributions.clear();
+    }
+
+    /// Adds the rays of another wave toward the same light.
+    pub(crate) fn extend(&mut self, other: &Self) {
+        self.origins.extend_from_slice(&other.origins);
+        self.directions.extend_from_slice(&other.directions);
+        self.contributions.extend_from_slice(&other.contributions);
+    }
+
+    /// Bytes held.
+    pub(crate) fn memory_usage(&self) -> usize {
+        self.origins.capacity() * size_of::<Vec3>()
+            + self.directions.capacity() * size_of::<Vec3>()
+            + self.contributions.capacity() * size_of::<Contribution>()
+    }
+}
+
+/// A point that lights may light, with all that its radiance depends on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LitPoint {
+    /// Where shadow rays end.
+    pub(crate) shadow_position: Vec3,
+    /// Shading normal.
+    pub(crate) normal: Vec3,
+    /// Toward where the ray came from, of unit length.
+    pub(crate) to_viewer: Vec3,
+    /// Diffuse share times the path's weight.
+    pub(crate) diffuse: Vec3,
+    /// Highlight times the path's weight.
+    pub(crate) specular: Vec3,
+    /// Exponent of the highlight.
+    pub(crate) shininess: f32,
+    /// The pixel, counted by rows within the band.
+    pub(crate) pixel_idx: u32,
+    /// Chooses the sample points on emitters.
+    pub(crate) seed: PathSeed,
+}
+
+/// What shading one run of rays gives; kept from batch to batch for its memory.
+#[derive(Debug, Default)]
+pub(crate) struct ShadedRun {
+    /// Light that needs no shadow ray: emission, ambient light, background.
+    pub(crate) unshadowed: Vec<Contribution>,
+    /// Points to be lit.
+    pub(crate) points: Vec<LitPoint>,
+    /// Mirrored rays.
+    pub(crate) mirror: Wave,
+    /// Refracted rays.
+    pub(crate) refraction: Wave,
+    /// Shadow rays toward the light at hand.
+    pub(crate) shadow: ShadowWave,
+}
+
+impl ShadedRun {
+    /// Empties all but the shadow rays.
+    pub(crate) fn clear(&mut self, bounce: u32) {
+        self.unshadowed.clear();
+        self.points.clear();
+        self.mirror.clear(bounce + 1);
+        self.refraction.clear(bounce + 1);
+    }
+
+    /// Bytes held.
+    pub(crate) fn memory_usage(&self) -> usize {
+        self.unshadowed.capacity() * size_of::<Contribution>()
+            + self.points.capacity() * size_of::<LitPoint>()
+            + self.mirror.memory_usage()
+            + self.refraction.memory_usage()
+            + self.shadow.memory_usage()
+    }
+}
