@@ -96,6 +96,8 @@ impl TracePacket {
         self.active = 0;
         self.sphere_rays_filled = false;
         self.t = [f32::INFINITY; LANES];
+        self.u = [0.0; LANES];
+        self.v = [0.0; LANES];
         self.ranks = [u32::MAX; LANES];
     }
 
