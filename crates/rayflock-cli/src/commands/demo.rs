@@ -1,0 +1,37 @@
+//! `rayflock demo`: a moving picture from nothing.
+
+use clap::Parser;
+
+use super::render;
+use crate::args::{Arguments, Command, DemoArguments};
+use crate::failure::{Blame, Failure};
+use crate::terminal;
+
+/// What the demo renders, as the user could have typed it.
+const RENDER: &str = "builtin:museum5 --frames 0..47 --fps 12 --size 400x300";
+
+/// Renders the demo and says what to try next.
+pub(super) fn run(args: &DemoArguments) -> Result<(), Failure> {
+    let output = args.output.display();
+    terminal::say(format_args!("rendering {RENDER} -o {output}"));
+    let words = ["rayflock", "render"].into_iter().chain(RENDER.split(' ')).chain(["-o", "x.gif"]);
+    let Ok(Arguments { command: Command::Render(mut render) }) = Arguments::try_parse_from(words)
+    else {
+        unreachable!("the demo's own arguments are well formed")
+    };
+    render.output.clone_from(&args.output);
+    render.engine = args.engine;
+    render::run(&render)?;
+    terminal::answer(&format!("{output} is there. {NEXT}")).blame_output()
+}
+
+const NEXT: &str = "\
+Every triangle of the sculpture went its own way, and no
+structure was ever built over them. Next:
+
+  rayflock render builtin:crowd -o crowd.gif              walking figures
+  rayflock render builtin:shatter --size 800x600 -o s/    a folder of PNG pictures
+  rayflock render YOUR.glb -o yours.gif                   also .obj, .ply, .stl
+  rayflock info YOUR.glb                                  what is in it and what moves how
+  rayflock help render                                    everything else
+";

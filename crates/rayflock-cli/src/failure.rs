@@ -1,0 +1,61 @@
+//! Whose fault an error is, and the exit code that says so.
+//!
+//! | Code | Meaning |
+//! |---|---|
+//! | 0 | done |
+//! | 1 | the output, the device or the program itself failed |
+//! | 2 | the arguments or the input are wrong |
+//! | 130 | stopped by Ctrl-C; `--resume` goes on |
+
+use std::process::ExitCode;
+
+use anyhow::Error;
+
+use crate::terminal;
+
+/// Why a command did not do what it was asked.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// The arguments or the input are wrong.
+    Input(Error),
+    /// The output cannot be written, or something beneath the program failed.
+    Output(Error),
+    /// Ctrl-C; the text says how to go on.
+    Interrupted(String),
+}
+
+impl Failure {
+    /// Tells the user on standard error and returns the exit code.
+    pub(crate) fn report(&self) -> ExitCode {
+        match self {
+            Self::Input(error) | Self::Output(error) => {
+                terminal::say(format_args!("error: {error:#}"));
+            }
+            Self::Interrupted(how_to_resume) => terminal::say(format_args!("{how_to_resume}")),
+        }
+        ExitCode::from(match self {
+            Self::Input(_) => 2,
+            Self::Output(_) => 1,
+            Self::Interrupted(_) => 130,
+        })
+    }
+}
+
+/// Turns an error into a [`Failure`]; there is no `From`, so every `?` decides whose fault it is.
+pub(crate) trait Blame<T> {
+    /// The arguments or the input are wrong.
+    fn blame_input(self) -> Result<T, Failure>;
+
+    /// The output cannot be written, or something beneath the program failed.
+    fn blame_output(self) -> Result<T, Failure>;
+}
+
+impl<T, E: Into<Error>> Blame<T> for Result<T, E> {
+    fn blame_input(self) -> Result<T, Failure> {
+        self.map_err(|error| Failure::Input(error.into()))
+    }
+
+    fn blame_output(self) -> Result<T, Failure> {
+        self.map_err(|error| Failure::Output(error.into()))
+    }
+}

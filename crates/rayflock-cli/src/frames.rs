@@ -1,0 +1,75 @@
+//! Which frames to render.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Frames from `first` to `last`, both included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct FrameRange {
+    /// The first frame, counted from 0.
+    pub(crate) first: u32,
+    /// The last frame; `first <= last`.
+    pub(crate) last: u32,
+}
+
+impl FrameRange {
+    /// The first `count` frames, one at least.
+    pub(crate) const fn first_frames(count: u32) -> Self {
+        Self { first: 0, last: count.saturating_sub(1) }
+    }
+
+    /// Number of frames.
+    pub(crate) fn count(self) -> u64 {
+        u64::from(self.last - self.first) + 1
+    }
+
+    /// The frames in order.
+    pub(crate) fn iter(self) -> impl Iterator<Item = u32> {
+        self.first..=self.last
+    }
+}
+
+impl FromStr for FrameRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (first, last) = text.split_once("..").unwrap_or((text, text));
+        let (Ok(first), Ok(last)) = (first.parse(), last.parse()) else {
+            return Err("expected A..B or a single frame, counted from 0, as in 0..47".to_owned());
+        };
+        if first > last {
+            return Err(format!("the range is empty; expected {last}..{first}"));
+        }
+        Ok(Self { first, last })
+    }
+}
+
+impl fmt::Display for FrameRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}..{}", self.first, self.last)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_include_both_ends() {
+        let range: FrameRange = "3..7".parse().unwrap();
+        assert_eq!(range.count(), 5);
+        assert_eq!(range.iter().collect::<Vec<_>>(), [3, 4, 5, 6, 7]);
+        assert_eq!("9".parse(), Ok(FrameRange { first: 9, last: 9 }));
+        assert_eq!("0..4294967295".parse::<FrameRange>().unwrap().count(), 1 << 32);
+    }
+
+    #[test]
+    fn what_is_no_range_is_told_what_to_write() {
+        for text in ["", "..", "1..", "..1", "-1..2", "a..b", "1..2..3", "1.5", "4294967296"] {
+            let message = text.parse::<FrameRange>().unwrap_err();
+            assert!(message.contains("as in 0..47"), "{text}: {message}");
+        }
+        let message = "7..3".parse::<FrameRange>().unwrap_err();
+        assert_eq!(message, "the range is empty; expected 3..7");
+    }
+}

@@ -1,0 +1,187 @@
+//! From arguments to a render that can only fail for reasons of its own.
+//!
+//! Everything the user can get wrong is found here, before the first ray: the input, names in it,
+//! frames, formats. What the machine can get wrong (folders, ffmpeg) is found next, by
+//! [`RenderPlan::prepare_output`].
+
+use std::path::PathBuf;
+
+use anyhow::{Result, ensure};
+use rayflock::engine::EngineKind;
+use rayflock::render::{RenderSettings, View};
+use rayflock::scene::{Evaluator, SceneFrame, frame_bounds};
+
+use crate::args::RenderArguments;
+use crate::failure::{Blame, Failure};
+use crate::frames::FrameRange;
+use crate::input::Input;
+use crate::journal::Settings;
+use crate::output::{Look, Target, atomic};
+use crate::plot::PlotFile;
+use crate::size::Size;
+
+/// A render, thought through.
+#[derive(Debug)]
+pub(crate) struct RenderPlan {
+    /// Where the scene came from.
+    pub(crate) input: Input,
+    /// Plays the chosen clip.
+    pub(crate) evaluator: Evaluator,
+    /// Where the pictures are seen from.
+    pub(crate) camera: PlannedCamera,
+    /// Which frames.
+    pub(crate) frames: FrameRange,
+    /// Frames a second.
+    pub(crate) fps: f64,
+    /// The size of the pictures.
+    pub(crate) size: Size,
+    /// How frames are rendered.
+    pub(crate) settings: RenderSettings,
+    /// How light becomes colour.
+    pub(crate) look: Look,
+    /// What traces the rays.
+    pub(crate) engine: EngineKind,
+    /// Where the pictures go.
+    pub(crate) target: Target,
+    /// Whether to take over finished frames.
+    pub(crate) resume: bool,
+    /// Where the statistics go.
+    pub(crate) stats: Option<PathBuf>,
+    /// Where the graph goes.
+    pub(crate) plot: Option<PlotFile>,
+}
+
+/// Where pictures are seen from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum PlannedCamera {
+    /// A camera of the scene, which may move, by its position.
+    InScene(usize),
+    /// One that frames everything over the whole motion.
+    Framing(View),
+}
+
+impl RenderPlan {
+    /// Finds everything the user got wrong.
+    pub(crate) fn new(args: &RenderArguments) -> Result<Self, Failure> {
+        let target = Target::from_path(&args.output, args.bits).blame_input()?;
+        let plot = args.plot.as_deref().map(PlotFile::new).transpose().blame_input()?;
+        check_edges(&target, args.size).blame_input()?;
+
+        let input = Input::open(&args.input).blame_input()?;
+        let clip = args.clip.as_deref();
+        let mut evaluator = Evaluator::new(input.scene.clone(), clip).blame_input()?;
+        let camera = plan_camera(&mut evaluator, args).blame_input()?;
+        let fps = args.fps.unwrap_or_else(|| input.scene.default_frame_rate());
+        let frames = plan_frames(args.frames, &target, &input, &evaluator, fps).blame_input()?;
+
+        Ok(Self {
+            evaluator,
+            camera,
+            frames,
+            fps,
+            size: args.size,
+            settings: RenderSettings {
+                samples_per_pixel: args.spp,
+                depth: args.depth,
+                ..RenderSettings::default()
+            },
+            look: Look { exposure: args.exposure, tone_map: args.tone_map },
+            engine: args.engine,
+            target,
+            resume: args.resume,
+            stats: args.stats.clone(),
+            plot,
+            input,
+        })
+    }
+
+    /// Finds out whether everything can be written.
+    pub(crate) fn prepare_output(&self) -> Result<()> {
+        self.target.prepare(self.frames.count())?;
+        let beside =
+            self.stats.as_deref().into_iter().chain(self.plot.as_ref().map(PlotFile::path));
+        beside.into_iter().try_for_each(atomic::check_writable)
+    }
+
+    /// The time of a frame, in seconds.
+    pub(crate) fn time(&self, frame: u32) -> f64 {
+        f64::from(frame) / self.fps
+    }
+
+    /// Where a frame is seen from.
+    pub(crate) fn view(&self, frame: &SceneFrame) -> View {
+        match self.camera {
+            PlannedCamera::InScene(idx) => {
+                View::new(frame.cameras[idx], self.input.scene.cameras[idx].projection)
+            }
+            PlannedCamera::Framing(view) => view,
+        }
+    }
+
+    /// What decides how a frame looks and what it costs, by the name of its option. Threads are
+    /// left out: they change neither pictures nor counts.
+    pub(crate) fn journal_settings(&self) -> Settings {
+        let camera = match self.camera {
+            PlannedCamera::InScene(idx) => format!("{idx}: {}", self.input.scene.cameras[idx].name),
+            PlannedCamera::Framing(_) => "framing".to_owned(),
+        };
+        let clip = self.evaluator.clip().map_or_else(String::new, |clip| clip.name.clone());
+        let pairs = [
+            ("version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("INPUT", self.input.name.clone()),
+            ("INPUT's content", self.input.revision.clone()),
+            ("--engine", self.engine.to_string()),
+            ("--fps", self.fps.to_string()),
+            ("--size", self.size.to_string()),
+            ("--spp", self.settings.samples_per_pixel.to_string()),
+            ("--depth", self.settings.depth.to_string()),
+            ("--camera", camera),
+            ("--clip", clip),
+            ("--exposure", self.look.exposure.to_string()),
+            ("--tone-map", self.look.tone_map.to_string()),
+            ("format", self.target.frame_format().name().to_owned()),
+        ];
+        pairs.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+}
+
+fn check_edges(target: &Target, size: Size) -> Result<()> {
+    if let Target::Film(path, container) = target {
+        let (longest, limit) = (size.width.max(size.height), container.max_edge());
+        let path = path.display();
+        ensure!(longest <= limit, "{path}: the size is {size}; the format ends at {limit} pixels");
+    }
+    Ok(())
+}
+
+fn plan_camera(evaluator: &mut Evaluator, args: &RenderArguments) -> Result<PlannedCamera> {
+    if let Some(idx) = evaluator.scene().camera_idx(args.camera.as_deref())? {
+        return Ok(PlannedCamera::InScene(idx));
+    }
+    let bounds = evaluator.bounds_over_clip()?;
+    let (world_from_camera, projection) = frame_bounds(&bounds, args.size.aspect());
+    Ok(PlannedCamera::Framing(View::new(world_from_camera, projection)))
+}
+
+/// The frames asked for; by default frame 0 for a single picture and the whole motion otherwise.
+fn plan_frames(
+    asked: Option<FrameRange>,
+    target: &Target,
+    input: &Input,
+    evaluator: &Evaluator,
+    fps: f64,
+) -> Result<FrameRange> {
+    let whole = FrameRange::first_frames(input.whole_motion(evaluator.clip(), fps));
+    let default = match target {
+        Target::Picture(..) => FrameRange::first_frames(1),
+        Target::Sequence(..) | Target::Film(..) => whole,
+    };
+    let frames = asked.unwrap_or(default);
+    let is_finite = input.scene.frame_count.is_some();
+    ensure!(
+        !is_finite || frames.last <= whole.last,
+        "{}: --frames asks for {frames}, but there are the frames {whole}",
+        input.name
+    );
+    Ok(frames)
+}

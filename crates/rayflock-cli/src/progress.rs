@@ -1,0 +1,45 @@
+//! A bar with rate and time left on standard error, and nothing when nobody watches it.
+
+use std::fmt::Arguments;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::terminal;
+
+/// How far a command has come.
+#[derive(Debug)]
+pub(crate) struct Progress(ProgressBar);
+
+impl Progress {
+    /// A bar for `frame_count` frames of which `done_count` are there already; those do not count
+    /// towards the rate.
+    pub(crate) fn new(activity: &str, frame_count: u64, done_count: u64) -> Self {
+        if !terminal::is_watched() {
+            return Self(ProgressBar::hidden());
+        }
+        let template = "{msg} {wide_bar} {pos}/{len} frames, {per_sec}, {eta} left";
+        let style =
+            ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+        let bar = ProgressBar::new(frame_count).with_style(style).with_message(activity.to_owned());
+        bar.set_position(done_count);
+        bar.reset_eta();
+        bar.enable_steady_tick(Duration::from_millis(250));
+        Self(bar)
+    }
+
+    /// One more frame is done.
+    pub(crate) fn advance(&self) {
+        self.0.inc(1);
+    }
+
+    /// Writes a line to standard error without tearing the bar.
+    pub(crate) fn say(&self, line: Arguments<'_>) {
+        self.0.suspend(|| terminal::say(line));
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}

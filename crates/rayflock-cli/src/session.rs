@@ -1,0 +1,146 @@
+//! A render under way: frame by frame, each written whole before the next begins.
+
+use std::time::Instant;
+
+use anyhow::Context;
+use rayflock::engine::{self, CommitStats};
+use rayflock::render::{Film, FrameRenderer, FrameStats, WhittedRenderer};
+use rayflock::scene::Evaluator;
+
+use crate::failure::{Blame, Failure};
+use crate::interrupt::Interrupt;
+use crate::journal::Journal;
+use crate::output::{FrameNames, picture};
+use crate::plan::RenderPlan;
+use crate::progress::Progress;
+use crate::stats::{FrameRecord, RayRecord};
+
+/// What lives from frame to frame.
+#[derive(Debug)]
+pub(crate) struct Session {
+    plan: RenderPlan,
+    evaluator: Evaluator,
+    renderer: WhittedRenderer,
+    film: Film,
+}
+
+impl Session {
+    /// Nothing is rendered yet.
+    pub(crate) fn new(plan: RenderPlan) -> Self {
+        let evaluator = plan.evaluator.clone();
+        let renderer = WhittedRenderer::new(engine::create(plan.engine));
+        let film = Film::new(plan.size.width as usize, plan.size.height as usize);
+        Self { plan, evaluator, renderer, film }
+    }
+
+    /// The plan, when the frames are done.
+    pub(crate) fn into_plan(self) -> RenderPlan {
+        self.plan
+    }
+
+    /// Renders the frames that the journal does not have.
+    pub(crate) fn render_frames(
+        &mut self,
+        names: &FrameNames,
+        journal: &mut Journal,
+        interrupt: &Interrupt,
+    ) -> Result<(), Failure> {
+        let frames = self.plan.frames;
+        let missing: Vec<u32> = frames.iter().filter(|&f| journal.get(f).is_none()).collect();
+        let mut done_count = frames.count() - missing.len() as u64;
+        let progress = Progress::new(&self.plan.input.name, frames.count(), done_count);
+        let mut ignored_before = false;
+        for frame in missing {
+            if interrupt.is_raised() {
+                progress.finish();
+                return Err(Failure::Interrupted(format!(
+                    "stopped after {done_count} of {} frames; the same command with --resume goes on",
+                    frames.count()
+                )));
+            }
+            let record = self.render_frame(frame)?;
+            if record.ignored > 0 && !ignored_before {
+                ignored_before = true;
+                progress.say(format_args!("warning: {}", ignored_text(&self.plan, &record)));
+            }
+            let path = names.path(frame);
+            let format = self.plan.target.frame_format();
+            picture::write(&path, format, &self.film, self.plan.look).blame_output()?;
+            journal.add(record).blame_output()?;
+            done_count += 1;
+            progress.advance();
+        }
+        progress.finish();
+        Ok(())
+    }
+
+    /// Renders one frame to the film.
+    fn render_frame(&mut self, frame: u32) -> Result<FrameRecord, Failure> {
+        let context = || format!("{}: frame {frame}", self.plan.input.name);
+        let time = self.plan.time(frame);
+        let start = Instant::now();
+        let evaluated = self.evaluator.evaluate(time);
+        let scene_frame = evaluated.with_context(context).blame_input()?;
+        let evaluate_ms = milliseconds_since(start);
+
+        let update_start = Instant::now();
+        let committed = self.renderer.commit(&self.plan.input.scene, scene_frame);
+        let commit = committed.with_context(context).blame_input()?;
+        let update_ms = milliseconds_since(update_start);
+
+        let view = self.plan.view(scene_frame);
+        let stats = self.renderer.render(&view, &self.plan.settings, &mut self.film);
+        let times = Times { evaluate_ms, update_ms, total_ms: milliseconds_since(start) };
+        let memory_bytes = self.renderer.memory_usage() as u64;
+        Ok(record((frame, time), &times, &commit, &stats, memory_bytes))
+    }
+}
+
+struct Times {
+    evaluate_ms: f64,
+    update_ms: f64,
+    total_ms: f64,
+}
+
+fn record(
+    (frame, time): (u32, f64),
+    times: &Times,
+    commit: &CommitStats,
+    stats: &FrameStats,
+    memory_bytes: u64,
+) -> FrameRecord {
+    let rays = RayRecord {
+        primary: stats.rays.primary,
+        shadow: stats.rays.shadow,
+        mirror: stats.rays.mirror,
+        refraction: stats.rays.refraction,
+    };
+    FrameRecord {
+        frame,
+        time,
+        triangles: commit.prim_count as u64,
+        evaluate_ms: times.evaluate_ms,
+        update_ms: times.update_ms,
+        trace_ms: 1e3 * stats.trace_seconds,
+        shade_ms: 1e3 * stats.shade_seconds,
+        total_ms: times.total_ms,
+        rays,
+        cone_tests: stats.trace.cone_tests,
+        triangle_tests: stats.trace.triangle_tests,
+        sphere_tests: stats.trace.sphere_tests,
+        ignored: (commit.non_finite_count + commit.degenerate_count) as u64,
+        memory_bytes,
+    }
+}
+
+fn ignored_text(plan: &RenderPlan, record: &FrameRecord) -> String {
+    format!(
+        "{}: frame {}: {} of {} primitives are ignored, because they have no area or a coordinate \
+         that is not finite",
+        plan.input.name, record.frame, record.ignored, record.triangles
+    )
+}
+
+fn milliseconds_since(start: Instant) -> f64 {
+    1e3 * start.elapsed().as_secs_f64()
+}

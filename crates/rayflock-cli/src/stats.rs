@@ -1,0 +1,91 @@
+//! What each frame cost, and the file that `--stats` writes.
+//!
+//! Fields are added later, never renamed.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::Result;
+use serde::{Deserialize, Serialize};
+
+use crate::output::atomic;
+use crate::size::Size;
+
+/// What one frame cost. Times are wall-clock milliseconds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct FrameRecord {
+    /// The frame.
+    pub(crate) frame: u32,
+    /// Its time in the scene, in seconds.
+    pub(crate) time: f64,
+    /// Primitives in the frame, ignored ones included.
+    pub(crate) triangles: u64,
+    /// Moving the scene to its place: skins, morph targets, keys.
+    pub(crate) evaluate_ms: f64,
+    /// Making the geometry the engine's current frame.
+    pub(crate) update_ms: f64,
+    /// Tracing rays.
+    pub(crate) trace_ms: f64,
+    /// Everything else the renderer does.
+    pub(crate) shade_ms: f64,
+    /// From the first step to the finished film, files not included.
+    pub(crate) total_ms: f64,
+    /// Rays by kind.
+    pub(crate) rays: RayRecord,
+    /// Cone tests.
+    pub(crate) cone_tests: u64,
+    /// Ray-triangle tests.
+    pub(crate) triangle_tests: u64,
+    /// Ray-sphere tests.
+    pub(crate) sphere_tests: u64,
+    /// Primitives ignored because they have no area or are not finite.
+    pub(crate) ignored: u64,
+    /// Bytes that the engine holds, without the meshes.
+    pub(crate) memory_bytes: u64,
+}
+
+/// Rays of one frame by kind.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct RayRecord {
+    /// From the camera.
+    pub(crate) primary: u64,
+    /// Towards lights.
+    pub(crate) shadow: u64,
+    /// Mirrored.
+    pub(crate) mirror: u64,
+    /// Refracted.
+    pub(crate) refraction: u64,
+}
+
+/// A whole render.
+#[derive(Debug, Serialize)]
+pub(crate) struct Stats {
+    /// Version of the program.
+    pub(crate) version: &'static str,
+    /// INPUT as given.
+    pub(crate) input: String,
+    /// The engine.
+    pub(crate) engine: &'static str,
+    /// Threads worked with.
+    pub(crate) threads: usize,
+    /// The instruction set of the kernels.
+    pub(crate) simd: &'static str,
+    /// Width and height in pixels.
+    pub(crate) size: Size,
+    /// Samples a pixel.
+    pub(crate) samples_per_pixel: u32,
+    /// How often a ray may be mirrored or refracted.
+    pub(crate) depth: u32,
+    /// The most primitives in any frame.
+    pub(crate) triangles: u64,
+    /// What each frame cost, in order.
+    pub(crate) frames: Vec<FrameRecord>,
+}
+
+impl Stats {
+    /// Writes the statistics as one JSON object.
+    pub(crate) fn write(&self, path: &Path) -> Result<()> {
+        let json = serde_json::to_string_pretty(self)?;
+        atomic::write_whole(path, |partial| Ok(fs::write(partial, json + "\n")?))
+    }
+}
