@@ -36,6 +36,10 @@ impl ObjectTrack {
     pub(crate) fn new(object: &SceneObject) -> Self {
         match &object.shape {
             Shape::Fixed(surface) => Self::Fixed(surface.clone()),
+            // Nothing bends it: instances of it go on sharing their mesh.
+            Shape::Deformed { rest, targets, skin } if targets.is_empty() && skin.is_none() => {
+                Self::Fixed(rest.clone())
+            }
             Shape::Deformed { rest, targets, skin } => Self::Deformed(DeformedTrack {
                 rest: rest.clone(),
                 targets: Arc::clone(targets),

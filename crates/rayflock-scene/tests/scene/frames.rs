@@ -24,13 +24,19 @@ fn an_empty_scene_makes_empty_frames() {
 
 #[test]
 fn instances_share_their_mesh() {
-    let fixed = Shape::Fixed(triangle());
+    let rest = triangle();
+    let fixed = Shape::Fixed(rest.clone());
+    let unbent = Shape::Deformed { rest, targets: Arc::default(), skin: None };
     let nodes = vec![node(None, Vec3::X), node(None, Vec3::Y)];
-    let objects = vec![object("a", Some(0), fixed.clone()), object("b", Some(1), fixed)];
+    let objects = vec![
+        object("a", Some(0), fixed.clone()),
+        object("b", Some(1), fixed),
+        object("c", None, unbent),
+    ];
     let mut evaluator = evaluator(scene(nodes, objects));
     let frame = evaluator.evaluate(0.0).unwrap();
-    let [a, b] = [0, 1].map(|id| frame.geometry.object(ObjectId(id)).unwrap());
-    assert!(Arc::ptr_eq(&a.shape, &b.shape));
+    let [a, b, c] = [0, 1, 2].map(|id| frame.geometry.object(ObjectId(id)).unwrap());
+    assert!(Arc::ptr_eq(&a.shape, &b.shape) && Arc::ptr_eq(&a.shape, &c.shape));
     assert_eq!(a.world_from_object, Some(Affine3A::from_translation(Vec3::X)));
     assert_eq!(b.world_from_object, Some(Affine3A::from_translation(Vec3::Y)));
 }
