@@ -10,6 +10,7 @@
 //! **Invariants.** A scene depends on nothing but its name: two builds are equal. Each has a
 //! camera, lights and at least 240 frames at its own frame rate.
 mod cornell;
+mod crowd;
 mod keyed_path;
 pub mod museum;
 mod random;
@@ -48,6 +49,11 @@ const BUILTINS: &[Builtin] = &[
         frame_count: cornell::FRAME_COUNT,
     },
     Builtin {
+        name: "crowd",
+        about: "twelve skinned figures stroll around a fountain",
+        frame_count: crowd::FRAME_COUNT,
+    },
+    Builtin {
         name: "shatter",
         about: "a porcelain knot is struck and its 23,040 triangles fly off one by one",
         frame_count: shatter::FRAME_COUNT,
@@ -70,6 +76,7 @@ pub fn build(name: &str) -> Option<Scene> {
     all().iter().find(|builtin| builtin.name == name)?;
     match name {
         "cornell" => Some(cornell::build()),
+        "crowd" => Some(crowd::build()),
         "shatter" => Some(shatter::build()),
         _ => museum::build(name.strip_prefix("museum")?.parse().ok()?),
     }
