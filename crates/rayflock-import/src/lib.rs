@@ -3,6 +3,8 @@
 //! | Format | Extensions | Read |
 //! |---|---|---|
 //! | glTF 2.0 | `.gltf`, `.glb` | meshes, instances, skins, morphs, clips, materials, cameras, lights |
+//! | OBJ | `.obj` with `.mtl` | polygons in groups, with materials by face |
+//! | PLY | `.ply` | polygons with attributes, or spheres; ascii, binary of both byte orders |
 //! | STL | `.stl` | binary and ascii; corners at one place are welded |
 //!
 //! Each may be compressed: `.stl.gz` and so on. [`load`] chooses by extension.
@@ -31,6 +33,8 @@ mod gltf;
 mod gz;
 mod job;
 mod mesh_parts;
+mod obj;
+mod ply;
 mod reporter;
 mod stl;
 mod texture;
@@ -46,7 +50,7 @@ pub use error::ImportError;
 pub use reporter::{Reporter, Warning};
 
 /// The extensions that are read, lower case, without `.gz`.
-pub const EXTENSIONS: &[&str] = &["gltf", "glb", "stl"];
+pub const EXTENSIONS: &[&str] = &["gltf", "glb", "obj", "ply", "stl"];
 
 /// How to take what a file leaves open.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -102,6 +106,8 @@ type Importer = fn(Vec<u8>, &mut job::Job<'_>) -> Result<Scene, ImportError>;
 fn importer(extension: &str) -> Option<Importer> {
     match extension {
         "gltf" | "glb" => Some(gltf::load),
+        "obj" => Some(obj::load),
+        "ply" => Some(ply::load),
         "stl" => Some(stl::load),
         _ => None,
     }

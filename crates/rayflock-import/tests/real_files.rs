@@ -152,3 +152,59 @@ fn missing_textures_are_warnings() {
         assert!(warnings.iter().any(|warning| warning.contains("do without it")), "{warnings:?}");
     }
 }
+
+#[test]
+fn spot_has_a_vertex_for_each_seam() {
+    check("spot/spot_triangulated.obj", 5856, 3225, 0, 0.0);
+    let Some((scene, warnings)) = load_data("spot/spot_triangulated.obj") else { return };
+    assert_eq!(surface(&scene.objects[0]).attributes.uvs.len(), 3225);
+    assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+#[test]
+fn faces_of_the_rig_have_one_topology() {
+    let Some((neutral, warnings)) = load_data("ict-facekit/generic_neutral_mesh.obj.gz") else {
+        return;
+    };
+    assert_eq!((triangle_count(&neutral), neutral.objects.len()), (52_220, 1));
+    assert_eq!(neutral.materials.len(), 13, "twelve and the default");
+    assert!(warnings.len() == 1 && warnings[0].contains("ICTFaceModelMaterial.mtl"));
+    let Some((open, _)) = load_data("ict-facekit/jawOpen.obj.gz") else { return };
+    let (neutral, open) = (surface(&neutral.objects[0]), surface(&open.objects[0]));
+    assert_eq!(neutral.mesh.triangles(), open.mesh.triangles());
+    assert_eq!(neutral.attributes, open.attributes);
+    assert_ne!(neutral.mesh.vertices(), open.mesh.vertices());
+}
+
+#[test]
+fn parts_of_the_dog_add_up() {
+    let Some((first, _)) = load_data("dm-control-dog/dog_assets/BONEC_1.stl.gz") else { return };
+    assert!(triangle_count(&first) > 0);
+    let folder = std::env::var_os("RAYFLOCK_DATA").map_or_else(
+        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),
+        PathBuf::from,
+    );
+    let entries = std::fs::read_dir(folder.join("dm-control-dog/dog_assets")).unwrap();
+    let parts: Vec<PathBuf> = entries
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.to_string_lossy().ends_with(".stl.gz"))
+        .collect();
+    let count = |path: &PathBuf| triangle_count(&load(path, &mut Reporter::new()).unwrap());
+    assert_eq!((parts.len(), parts.iter().map(count).sum::<usize>()), (173, 346_804));
+}
+
+#[test]
+fn scans_have_their_counts() {
+    for (file, triangles, vertices) in [
+        ("ct-cranium/surface_0.ply.gz", 399_757, 205_777),
+        ("ct-cranium/derived_isosweep/frame_17_iso1600.ply.gz", 3052, 1837),
+    ] {
+        check(file, triangles, vertices, 0, 0.0);
+    }
+}
+
+#[test]
+fn empty_frames_of_a_sequence_are_empty_scenes() {
+    let Some((scene, _)) = load_data("hypergrid/frames/Hypergrid_group0001.obj") else { return };
+    assert!(triangle_count(&scene) <= 468);
+}

@@ -1,0 +1,78 @@
+//! Wavefront OBJ with MTL: polygons in named groups, with materials by face.
+//!
+//! Objects are the names of `o` and `g`; faces of one name are one object wherever they stand.
+//! Polygons are cut into fans from their first corner. Coordinates keep +Y up; texture
+//! coordinates have their origin at the bottom left and are flipped. Vertex colours
+//! (`v x y z r g b`) are taken for sRGB; a fourth coordinate, which matters to rational curves
+//! only, is ignored. Lines, points and free-form surfaces are not drawn.
+//!
+//! **Source.** Wavefront Technologies, "Object Files (.obj)" and "MTL material format",
+//! Advanced Visualizer appendix B1, 1995.
+//!
+//! **Departures.** The parser is our own because messages must name the line, vertices must keep
+//! the order of the file ([`assemble`] says why), one object may have many materials, and no
+//! input may make it panic.
+
+mod assemble;
+mod mtl;
+mod parse;
+mod statement;
+
+#[cfg(test)]
+mod tests;
+
+use std::collections::HashMap;
+
+use rayflock_scene::{Material, Scene};
+
+use crate::ImportError;
+use crate::job::Job;
+use parse::ObjFile;
+
+/// Reads an OBJ file and the MTL files beside it.
+pub(crate) fn load(bytes: Vec<u8>, job: &mut Job<'_>) -> Result<Scene, ImportError> {
+    let mut file = parse::parse(&bytes, job)?;
+    drop(bytes);
+    let mut scene = Scene { name: job.name(), ..Scene::default() };
+    add_materials(&file, &mut scene, job);
+    let mut meshes = Vec::new();
+    for group in std::mem::take(&mut file.groups) {
+        let name = if group.name.is_empty() { job.name() } else { group.name.clone() };
+        let element = format!("object \"{name}\"");
+        let mesh = assemble::mesh_parts(&file, group).build(&element, job)?;
+        meshes.push((name, mesh));
+    }
+    job.add_upright(&mut scene, meshes);
+    Ok(scene)
+}
+
+/// Adds a material for each name in the file, at the same position.
+fn add_materials(file: &ObjFile, scene: &mut Scene, job: &mut Job<'_>) {
+    let mut library = HashMap::new();
+    for name in &file.libraries {
+        match job.read_neighbour(name) {
+            Ok(bytes) => mtl::parse(name, &bytes, &mut library, job),
+            Err(reason) => {
+                job.warn("mtllib", format!("{reason}; its materials are light grey"));
+            }
+        }
+    }
+    let mut textures = mtl::Textures::default();
+    let mut unknown = Vec::new();
+    for name in &file.material_names {
+        let material = match library.get(name) {
+            Some(definition) => definition.material(name, &mut textures, job),
+            None => {
+                unknown.push(name.as_str());
+                Material { name: name.clone(), ..Material::default() }
+            }
+        };
+        scene.materials.push(material);
+    }
+    // The first name stands for faces before any `usemtl`.
+    if unknown.len() > 1 && !library.is_empty() {
+        let names = unknown[1..].join(", ");
+        job.warn("usemtl", format!("no MTL file defines {names}; they are light grey"));
+    }
+    scene.textures = textures.textures;
+}

@@ -1,0 +1,219 @@
+//! Damaged files of every format give an error or a scene, never a panic, and soon.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use proptest::prelude::*;
+use rayflock_import::{Reporter, load};
+
+/// Longest time that a file of a few kilobytes may take.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+const OBJ: &[u8] = b"mtllib a.mtl\no a\nv 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nvt 0 1\nvn 0 0 1\n\
+    usemtl m\nf 1/1/1 2/1/1 3//1\ng b\nf -1 -2 -3\ns off\nl 1 2\n";
+const MTL: &[u8] =
+    b"newmtl m\nKd 1 1 1\nKs 0.5\nNs 10\nNi 1.5\nd 0.5\nillum 7\nmap_Kd -s 1 1 1 a.png\n";
+const PLY_ASCII: &[u8] = b"ply\nformat ascii 1.0\ncomment c\nelement vertex 3\n\
+    property float x\nproperty float y\nproperty float z\nproperty uchar red\n\
+    property uchar green\nproperty uchar blue\nelement face 2\n\
+    property list uchar int vertex_indices\nend_header\n\
+    0 0 0 1 2 3\n1 0 0 4 5 6\n0 1 0 7 8 9\n3 0 1 2\n4 0 1 2 0\n";
+const PLY_BINARY: &[u8] = b"ply\nformat binary_little_endian 1.0\nelement vertex 3\n\
+    property float x\nproperty float y\nproperty float z\nelement face 1\n\
+    property list uchar int vertex_indices\nend_header\n\
+    \0\0\0\0\0\0\0\0\0\0\0\0\0\0\x80\x3f\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x80\x3f\0\0\0\0\
+    \x03\0\0\0\0\x01\0\0\0\x02\0\0\0";
+const STL_ASCII: &[u8] = b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n\
+    vertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
+
+fn stl_binary() -> Vec<u8> {
+    let mut bytes = vec![b' '; 80];
+    bytes.extend(2_u32.to_le_bytes());
+    bytes.extend([0x3f; 100]);
+    bytes
+}
+
+/// A skinned, morphed, animated and textured document with everything inside.
+fn gltf() -> Vec<u8> {
+    let floats = |count: usize, value: f32| value.to_le_bytes().repeat(count);
+    // Positions (36), joints (12), weights (48), times (8), translations (24), indices (12).
+    let mut buffer = floats(9, 0.5);
+    buffer.extend([0, 1, 0, 0].repeat(3));
+    buffer.extend(floats(12, 0.25));
+    buffer.extend([0.0_f32, 1.0].map(f32::to_le_bytes).concat());
+    buffer.extend(floats(6, 2.0));
+    buffer.extend([0_u32, 1, 2].map(u32::to_le_bytes).concat());
+    let encoded = encode(&buffer);
+    assert_eq!(buffer.len(), 140);
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0,3]}}],
+"nodes":[{{"mesh":0,"skin":0,"children":[1]}},{{"children":[2]}},{{"rotation":[0,0,0,1]}},{{"camera":0,
+"extensions":{{"KHR_lights_punctual":{{"light":0}}}}}}],
+"extensions":{{"KHR_lights_punctual":{{"lights":[{{"type":"spot","spot":{{}}}}]}}}},
+"cameras":[{{"type":"perspective","perspective":{{"yfov":0.5,"znear":0.1}}}}],
+"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"JOINTS_0":1,"WEIGHTS_0":2}},"indices":5,
+"targets":[{{"POSITION":0}}],"material":0}}]}}],"skins":[{{"joints":[1,2]}}],
+"materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}}}}],
+"textures":[{{"source":0}}],"images":[{{"uri":"data:image/png;base64,{png}"}}],
+"animations":[{{"samplers":[{{"input":3,"output":4}}],
+"channels":[{{"sampler":0,"target":{{"node":2,"path":"translation"}}}}]}}],
+"accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,1]}},
+{{"bufferView":0,"byteOffset":36,"componentType":5121,"count":3,"type":"VEC4"}},
+{{"bufferView":0,"byteOffset":48,"componentType":5126,"count":3,"type":"VEC4"}},
+{{"bufferView":0,"byteOffset":96,"componentType":5126,"count":2,"type":"SCALAR"}},
+{{"bufferView":0,"byteOffset":104,"componentType":5126,"count":2,"type":"VEC3"}},
+{{"bufferView":0,"byteOffset":128,"componentType":5125,"count":3,"type":"SCALAR"}}],
+"bufferViews":[{{"buffer":0,"byteLength":140}}],
+"buffers":[{{"byteLength":140,"uri":"data:application/octet-stream;base64,{encoded}"}}]}}"#,
+        png = encode(PNG),
+    )
+    .into_bytes()
+}
+
+/// One white pixel.
+const PNG: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x01\0\0\0\x01\x08\x02\0\0\0\x90wS\xde\
+    \0\0\0\x0cIDATx\x9cc\xf8\xff\xff?\0\x05\xfe\x02\xfe\x0d\xefF\xb8\0\0\0\0IEND\xaeB`\x82";
+
+/// Base64, as data URIs have it.
+fn encode(bytes: &[u8]) -> String {
+    const DIGITS: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::new();
+    for chunk in bytes.chunks(3) {
+        let mut triple = [0; 3];
+        triple[..chunk.len()].copy_from_slice(chunk);
+        let bits = u32::from_be_bytes([0, triple[0], triple[1], triple[2]]);
+        for digit_idx in 0..4 {
+            let digit = DIGITS[(bits >> (18 - 6 * digit_idx)) as usize & 63];
+            text.push(if digit_idx <= chunk.len() { char::from(digit) } else { '=' });
+        }
+    }
+    text
+}
+
+fn glb() -> Vec<u8> {
+    let mut json = gltf();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut bytes = b"glTF\x02\0\0\0".to_vec();
+    bytes.extend((20 + json.len() as u32).to_le_bytes());
+    bytes.extend((json.len() as u32).to_le_bytes());
+    bytes.extend(b"JSON");
+    bytes.extend(json);
+    bytes
+}
+
+/// A valid file of each kind: the name to load and its content.
+fn samples() -> Vec<(&'static str, Vec<u8>)> {
+    vec![
+        ("a.obj", OBJ.to_vec()),
+        ("a.ply", PLY_ASCII.to_vec()),
+        ("a.ply", PLY_BINARY.to_vec()),
+        ("a.stl", STL_ASCII.to_vec()),
+        ("a.stl", stl_binary()),
+        ("a.gltf", gltf()),
+        ("a.glb", glb()),
+    ]
+}
+
+fn load_in(folder: &Path, name: &str, bytes: &[u8]) -> Result<usize, String> {
+    std::fs::write(folder.join(name), bytes).unwrap();
+    let start = Instant::now();
+    let loaded = load(&folder.join(name), &mut Reporter::new());
+    assert!(start.elapsed() < PATIENCE, "{name} took {:?}", start.elapsed());
+    loaded.map(|scene| scene.objects.len()).map_err(|error| error.to_string())
+}
+
+/// A change to a file.
+#[derive(Clone, Debug)]
+enum Damage {
+    Cut(prop::sample::Index),
+    Byte(prop::sample::Index, u8),
+    Remove(prop::sample::Index, usize),
+    /// A number in place of one of the digits of the text.
+    Number(prop::sample::Index, &'static str),
+}
+
+fn damage() -> impl Strategy<Value = Damage> {
+    let numbers = ["-1", "0", "4294967295", "4294967296", "99999999999999999999", "1e39", "nan"];
+    prop_oneof![
+        1 => any::<prop::sample::Index>().prop_map(Damage::Cut),
+        4 => (any::<prop::sample::Index>(), any::<u8>()).prop_map(|(at, b)| Damage::Byte(at, b)),
+        2 => (any::<prop::sample::Index>(), 1..40_usize).prop_map(|(at, n)| Damage::Remove(at, n)),
+        4 => (any::<prop::sample::Index>(), prop::sample::select(numbers.to_vec()))
+            .prop_map(|(at, number)| Damage::Number(at, number)),
+    ]
+}
+
+fn apply(bytes: &mut Vec<u8>, damage: &Damage) {
+    if bytes.is_empty() {
+        return;
+    }
+    match damage {
+        Damage::Cut(at) => bytes.truncate(at.index(bytes.len())),
+        Damage::Byte(at, byte) => {
+            let at = at.index(bytes.len());
+            bytes[at] = *byte;
+        }
+        Damage::Remove(at, count) => {
+            let at = at.index(bytes.len());
+            bytes.drain(at..(at + count).min(bytes.len()));
+        }
+        Damage::Number(at, number) => {
+            let digits: Vec<usize> =
+                (0..bytes.len()).filter(|&at| bytes[at].is_ascii_digit()).collect();
+            if !digits.is_empty() {
+                let at = digits[at.index(digits.len())];
+                bytes.splice(at..at + 1, number.bytes());
+            }
+        }
+    }
+}
+
+#[test]
+fn the_samples_are_sound() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.mtl"), MTL).unwrap();
+    for (name, bytes) in samples() {
+        assert!(load_in(folder.path(), name, &bytes).is_ok_and(|count| count > 0), "{name}");
+    }
+}
+
+#[test]
+fn every_beginning_of_a_file_is_survived() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in samples() {
+        for length in 0..bytes.len() {
+            let _ = load_in(folder.path(), name, &bytes[..length]);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn damaged_files_are_survived(
+        sample_idx in 0..7_usize,
+        damages in prop::collection::vec(damage(), 1..6),
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let (name, mut bytes) = samples().swap_remove(sample_idx);
+        damages.iter().for_each(|damage| apply(&mut bytes, damage));
+        std::fs::write(folder.path().join("a.mtl"), MTL).unwrap();
+        let _ = load_in(folder.path(), name, &bytes);
+    }
+
+    #[test]
+    fn damaged_mtl_files_are_survived(damages in prop::collection::vec(damage(), 1..6)) {
+        let folder = tempfile::tempdir().unwrap();
+        let mut bytes = MTL.to_vec();
+        damages.iter().for_each(|damage| apply(&mut bytes, damage));
+        std::fs::write(folder.path().join("a.mtl"), bytes).unwrap();
+        prop_assert!(load_in(folder.path(), "a.obj", OBJ).is_ok());
+    }
+
+    #[test]
+    fn garbage_is_survived(name in 0..7_usize, bytes in prop::collection::vec(any::<u8>(), 0..500)) {
+        let folder = tempfile::tempdir().unwrap();
+        let _ = load_in(folder.path(), samples()[name].0, &bytes);
+    }
+}
