@@ -76,7 +76,7 @@ impl ImportError {
         Self::Invalid {
             file: file.to_owned(),
             element: element.into(),
-            found: shorten(found.into()),
+            found: shorten(&found.into()),
             expected: expected.into(),
         }
     }
@@ -86,7 +86,7 @@ impl ImportError {
 const LONGEST_QUOTE: usize = 300;
 
 /// The text without control characters and cut to a length that suits a message.
-pub(crate) fn shorten(text: String) -> String {
+pub(crate) fn shorten(text: &str) -> String {
     let clean = text.trim_end().replace(|c: char| c.is_control(), " ");
     if clean.len() <= LONGEST_QUOTE {
         return clean;
@@ -107,8 +107,8 @@ mod tests {
 
     #[test]
     fn quotations_are_cut_between_characters() {
-        let cut = shorten("ä".repeat(1000));
+        let cut = shorten(&"ä".repeat(1000));
         assert!(cut.len() <= LONGEST_QUOTE + 3 && cut.ends_with("ä..."));
-        assert_eq!(shorten("a\u{1b}[31m\n".into()), "a [31m");
+        assert_eq!(shorten("a\u{1b}[31m\n"), "a [31m");
     }
 }

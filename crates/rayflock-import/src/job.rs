@@ -18,7 +18,7 @@ pub(crate) struct Job<'a> {
 impl Job<'_> {
     /// Tells that a part of the file was left out or put right.
     pub(crate) fn warn(&mut self, element: impl Into<String>, message: impl Into<String>) {
-        let (file, message) = (self.file.to_owned(), crate::error::shorten(message.into()));
+        let (file, message) = (self.file.to_owned(), crate::error::shorten(&message.into()));
         self.reporter.warn(Warning { file, element: element.into(), message });
     }
 

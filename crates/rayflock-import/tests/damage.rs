@@ -115,7 +115,7 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
 }
 
 fn load_in(folder: &Path, name: &str, bytes: &[u8]) -> Result<usize, String> {
-    std::fs::write(folder.join(name), bytes).unwrap();
+    std::fs::write(folder.join(name), bytes).expect("the new folder is writable");
     let start = Instant::now();
     let loaded = load(&folder.join(name), &mut Reporter::new());
     assert!(start.elapsed() < PATIENCE, "{name} took {:?}", start.elapsed());

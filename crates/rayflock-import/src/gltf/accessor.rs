@@ -31,6 +31,12 @@ pub(super) const SIGNED_UNIT: &[ComponentType] = &[
 pub(super) const INDEX: &[ComponentType] =
     &[ComponentType::U8, ComponentType::U16, ComponentType::U32];
 
+/// Found and expected.
+type Fault = (String, String);
+
+/// An element of an accessor and its position.
+type Placed<'a> = (usize, &'a [u8]);
+
 /// All accessors of a document.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Accessors<'a> {
@@ -89,16 +95,24 @@ impl<'a> Accessors<'a> {
         purpose: Purpose<'_>,
         decode: fn(ComponentType, &[u8]) -> T,
     ) -> Result<Vec<[T; N]>, ImportError> {
-        let element = format!("{} accessor {}", purpose.element, idx.value());
-        let fail = |(found, expected): (String, String)| {
-            ImportError::invalid(self.file, &element, found, expected)
-        };
+        self.try_read(idx, purpose, decode).map_err(|(found, expected)| {
+            let element = format!("{} accessor {}", purpose.element, idx.value());
+            ImportError::invalid(self.file, element, found, expected)
+        })
+    }
+
+    fn try_read<T: Copy + Default, const N: usize>(
+        &self,
+        idx: Index<Accessor>,
+        purpose: Purpose<'_>,
+        decode: fn(ComponentType, &[u8]) -> T,
+    ) -> Result<Vec<[T; N]>, Fault> {
         let accessor = self.root.accessors.get(idx.value()).ok_or_else(|| {
             let expected = format!("one of {} accessors", self.root.accessors.len());
-            fail(("an index out of range".to_owned(), expected))
+            ("an index out of range".to_owned(), expected)
         })?;
-        let component = check_type::<N>(accessor, purpose).map_err(fail)?;
-        let count = check_count(accessor, purpose).map_err(fail)?;
+        let component = check_type::<N>(accessor, purpose)?;
+        let count = check_count(accessor, purpose)?;
         let size = component.size() * N;
         let decode_all = |bytes: &[u8]| {
             let mut values = [T::default(); N];
@@ -111,15 +125,14 @@ impl<'a> Accessors<'a> {
         let mut elements = match accessor.buffer_view {
             Some(view) => {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
-                let run = self.run(view, offset, count, size).map_err(fail)?;
-                run.elements(count).map(decode_all).collect()
+                self.run(view, offset, count, size)?.elements(count).map(decode_all).collect()
             }
             None => {
-                self.check_zeros(count).map_err(fail)?;
+                self.check_zeros(count)?;
                 vec![[T::default(); N]; count]
             }
         };
-        for (idx, bytes) in self.sparse(accessor, count, size).map_err(fail)? {
+        for (idx, bytes) in self.sparse(accessor, count, size)? {
             elements[idx] = decode_all(bytes);
         }
         Ok(elements)
@@ -132,7 +145,7 @@ impl<'a> Accessors<'a> {
         offset: u64,
         count: usize,
         size: usize,
-    ) -> Result<Run<'a>, (String, String)> {
+    ) -> Result<Run<'a>, Fault> {
         let bytes = buffers::view(self.root, self.buffers, view)
             .map_err(|found| (found, "a buffer view inside its buffer".to_owned()))?;
         let stride = self.root.buffer_views[view.value()].byte_stride.map_or(0, |stride| stride.0);
@@ -154,7 +167,7 @@ impl<'a> Accessors<'a> {
     }
 
     /// Limits accessors that no bytes stand behind.
-    fn check_zeros(&self, count: usize) -> Result<(), (String, String)> {
+    fn check_zeros(&self, count: usize) -> Result<(), Fault> {
         let limit: usize = self.buffers.iter().map(Vec::len).sum();
         if count <= limit {
             return Ok(());
@@ -169,7 +182,7 @@ impl<'a> Accessors<'a> {
         accessor: &Accessor,
         count: usize,
         size: usize,
-    ) -> Result<Vec<(usize, &'a [u8])>, (String, String)> {
+    ) -> Result<Vec<Placed<'a>>, Fault> {
         let Some(sparse) = &accessor.sparse else { return Ok(Vec::new()) };
         let Checked::Valid(component) = sparse.indices.component_type else {
             return Err(("unknown sparse indices".to_owned(), "unsigned integers".to_owned()));
@@ -197,7 +210,7 @@ impl<'a> Accessors<'a> {
 fn check_type<const N: usize>(
     accessor: &Accessor,
     purpose: Purpose<'_>,
-) -> Result<ComponentType, (String, String)> {
+) -> Result<ComponentType, Fault> {
     let expected = match N {
         1 => Type::Scalar,
         2 => Type::Vec2,
@@ -218,7 +231,7 @@ fn check_type<const N: usize>(
     Ok(component.0)
 }
 
-fn check_count(accessor: &Accessor, purpose: Purpose<'_>) -> Result<usize, (String, String)> {
+fn check_count(accessor: &Accessor, purpose: Purpose<'_>) -> Result<usize, Fault> {
     let found = usize::try_from(accessor.count.0).unwrap_or(usize::MAX);
     match purpose.count {
         Some(expected) if expected != found => {

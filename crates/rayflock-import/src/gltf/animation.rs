@@ -63,30 +63,23 @@ impl Source<'_> {
             let expected = format!("one of {} nodes", nodes.len());
             return Err(job.invalid(&self.element, format!("node {node_idx}"), expected));
         }
-        let sampler = &self.animation.samplers[self.json.sampler.value()];
-        let (Checked::Valid(property), Checked::Valid(interpolation)) =
-            (target.path, sampler.interpolation)
-        else {
-            job.warn(
-                &self.element,
-                "the path or interpolation is unknown; the channel is left out",
-            );
-            return Ok(None);
-        };
-        let interpolation = match interpolation {
-            JsonInterpolation::Linear => Interpolation::Linear,
-            JsonInterpolation::Step => Interpolation::Step,
-            JsonInterpolation::CubicSpline => Interpolation::CubicSpline,
-        };
         let target_count = nodes[node_idx].rest_weights.len();
-        if property == Property::MorphTargetWeights && target_count == 0 {
-            job.warn(&self.element, "the node has no morph targets; the channel is left out");
-            return Ok(None);
-        }
+        let sampler = &self.animation.samplers[self.json.sampler.value()];
+        let (property, interpolation) = match (target.path, sampler.interpolation) {
+            (Checked::Valid(Property::MorphTargetWeights), _) if target_count == 0 => {
+                job.warn(&self.element, "the node has no morph targets; the channel is left out");
+                return Ok(None);
+            }
+            (Checked::Valid(property), Checked::Valid(kind)) => (property, interpolation(kind)),
+            _ => {
+                job.warn(&self.element, "what moves or how is unknown; the channel is left out");
+                return Ok(None);
+            }
+        };
         let mut times = self.times(sampler, job)?;
         let values_per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
-        let mut values =
-            self.values(sampler, property, times.len() * values_per_key, target_count, job)?;
+        let value_count = times.len() * values_per_key;
+        let mut values = self.values(sampler, property, value_count, target_count, job)?;
         self.drop_disorder(&mut times, &mut values, values_per_key, job);
         if times.is_empty() {
             job.warn(&self.element, "there are no keys; the channel is left out");
@@ -206,6 +199,14 @@ impl Source<'_> {
             *rotation = unit;
         }
         Ok(())
+    }
+}
+
+fn interpolation(kind: JsonInterpolation) -> Interpolation {
+    match kind {
+        JsonInterpolation::Linear => Interpolation::Linear,
+        JsonInterpolation::Step => Interpolation::Step,
+        JsonInterpolation::CubicSpline => Interpolation::CubicSpline,
     }
 }
 

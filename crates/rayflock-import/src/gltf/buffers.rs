@@ -50,7 +50,7 @@ pub(super) fn fetch(uri: &str, job: &Job<'_>) -> Result<Vec<u8>, String> {
     };
     let (head, encoded) = data.split_once(',').ok_or("a data URI without a comma")?;
     if !head.ends_with(";base64") {
-        return Err(format!("a data URI of \"{}\"", crate::error::shorten(head.to_owned())));
+        return Err(format!("a data URI of \"{}\"", crate::error::shorten(head)));
     }
     BASE64.decode(encoded).map_err(|error| format!("a data URI with {error}"))
 }

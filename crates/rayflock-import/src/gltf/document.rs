@@ -70,7 +70,7 @@ fn check_version(root: &Root, job: &Job<'_>) -> Result<(), ImportError> {
     Err(ImportError::Unsupported {
         file: job.file.to_owned(),
         element: "asset".to_owned(),
-        found: format!("version \"{}\"", crate::error::shorten(version.clone())),
+        found: format!("version \"{}\"", crate::error::shorten(version)),
         expected: "version 2.0".to_owned(),
     })
 }
@@ -113,7 +113,7 @@ fn validate(root: &Root, job: &mut Job<'_>) -> Result<(), ImportError> {
             Fault::Unsupported => {
                 return Err(ImportError::Unsupported {
                     file: job.file.to_owned(),
-                    element: crate::error::shorten(path),
+                    element: crate::error::shorten(&path),
                     found: "this required extension".to_owned(),
                     expected: "a file that needs none, or lights, texture transforms and the \
                                transmission, ior, unlit and emissive strength of materials,"
@@ -121,7 +121,7 @@ fn validate(root: &Root, job: &mut Job<'_>) -> Result<(), ImportError> {
                 });
             }
         };
-        return Err(job.invalid(crate::error::shorten(path), found, expected));
+        return Err(job.invalid(crate::error::shorten(&path), found, expected));
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
-//! Primitives: triangles with their attributes, morph targets and joint influences.
+//! Primitives: triangles with their attributes and morph targets.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use glam::{Affine2, Vec2, Vec3};
@@ -14,9 +15,6 @@ use super::{label, material};
 use crate::ImportError;
 use crate::job::Job;
 use crate::mesh_parts::MeshParts;
-
-/// Sets of four joints that are read; vertices follow at most eight joints.
-const JOINT_SETS: u32 = 2;
 
 /// A primitive as all nodes with its mesh share it.
 #[derive(Debug)]
@@ -43,21 +41,22 @@ impl MeshLibrary {
         accessors: &Accessors<'_>,
         job: &mut Job<'_>,
     ) -> Result<&[(usize, Primitive)], ImportError> {
-        if !self.meshes.contains_key(&mesh.value()) {
-            let json = &accessors.root.meshes[mesh.value()];
-            let mesh_label = label("mesh", mesh.value(), json.name.as_ref());
-            let mut loaded = Vec::new();
-            for (idx, primitive) in json.primitives.iter().enumerate() {
-                let element = format!("{mesh_label} primitive {idx}");
-                let source = Source { json: primitive, element, accessors };
-                if let Some(primitive) = source.load(job)? {
-                    loaded.push((idx, primitive));
-                }
+        let entry = match self.meshes.entry(mesh.value()) {
+            Entry::Occupied(entry) => return Ok(entry.into_mut()),
+            Entry::Vacant(entry) => entry,
+        };
+        let json = &accessors.root.meshes[mesh.value()];
+        let mesh_label = label("mesh", mesh.value(), json.name.as_ref());
+        check_target_counts(json, &mesh_label, job)?;
+        let mut loaded = Vec::new();
+        for (idx, primitive) in json.primitives.iter().enumerate() {
+            let element = format!("{mesh_label} primitive {idx}");
+            let source = Source { json: primitive, element, accessors };
+            if let Some(primitive) = source.load(job)? {
+                loaded.push((idx, primitive));
             }
-            check_target_counts(json, &mesh_label, job)?;
-            self.meshes.insert(mesh.value(), loaded);
         }
-        Ok(&self.meshes[&mesh.value()])
+        Ok(entry.insert(loaded))
     }
 }
 
@@ -75,10 +74,11 @@ fn check_target_counts(json: &JsonMesh, element: &str, job: &Job<'_>) -> Result<
 }
 
 /// A primitive being read.
-struct Source<'a> {
+pub(super) struct Source<'a> {
     json: &'a JsonPrimitive,
-    element: String,
-    accessors: &'a Accessors<'a>,
+    /// How messages call it.
+    pub(super) element: String,
+    pub(super) accessors: &'a Accessors<'a>,
 }
 
 impl Source<'_> {
@@ -114,11 +114,13 @@ impl Source<'_> {
         Ok(Some(Primitive { element: self.element, surface, targets: targets.into(), influences }))
     }
 
-    fn accessor(&self, semantic: &Semantic) -> Option<Index<Accessor>> {
+    /// The accessor of an attribute.
+    pub(super) fn accessor(&self, semantic: &Semantic) -> Option<Index<Accessor>> {
         self.json.attributes.get(&Checked::Valid(semantic.clone())).copied()
     }
 
-    fn attribute<const N: usize>(
+    /// The values of an attribute; `None` where the primitive has none.
+    pub(super) fn attribute<const N: usize>(
         &self,
         semantic: &Semantic,
         components: &[gltf::json::accessor::ComponentType],
@@ -196,78 +198,6 @@ impl Source<'_> {
             targets.push(MorphTarget { positions, normals });
         }
         Ok(targets)
-    }
-
-    /// Joints and shares of each vertex, the shares summing to 1.
-    fn influences(
-        &self,
-        vertex_count: usize,
-        job: &mut Job<'_>,
-    ) -> Result<Option<Vec<VertexInfluences>>, ImportError> {
-        if self.accessor(&Semantic::Joints(0)).is_none()
-            || self.accessor(&Semantic::Weights(0)).is_none()
-        {
-            return Ok(None);
-        }
-        if self.accessor(&Semantic::Joints(JOINT_SETS)).is_some() {
-            job.warn(&self.element, "vertices follow more than 8 joints; the others are left out");
-        }
-        let mut influences = vec![VertexInfluences::default(); vertex_count];
-        for set in 0..JOINT_SETS {
-            self.add_joint_set(set, &mut influences)?;
-        }
-        self.normalise(&mut influences, job)?;
-        Ok(Some(influences))
-    }
-
-    fn add_joint_set(
-        &self,
-        set: u32,
-        influences: &mut [VertexInfluences],
-    ) -> Result<(), ImportError> {
-        let count = Some(influences.len());
-        let weights = self.attribute::<4>(&Semantic::Weights(set), UNIT, count)?;
-        let joints = self.accessor(&Semantic::Joints(set));
-        let (Some(weights), Some(joints)) = (weights, joints) else { return Ok(()) };
-        let element = format!("{} JOINTS_{set}", self.element);
-        // All but 32-bit integers, which glTF does not allow here.
-        let purpose = Purpose { element: &element, components: &INDEX[..2], count };
-        let joints = self.accessors.integers::<4>(joints, purpose)?;
-        let first = 4 * set as usize;
-        for ((influence, joints), weights) in influences.iter_mut().zip(joints).zip(weights) {
-            // Purposes allow at most 16 bits.
-            influence.joints[first..first + 4].copy_from_slice(&joints.map(|joint| joint as u16));
-            influence.weights[first..first + 4].copy_from_slice(&weights);
-        }
-        Ok(())
-    }
-
-    fn normalise(
-        &self,
-        influences: &mut [VertexInfluences],
-        job: &mut Job<'_>,
-    ) -> Result<(), ImportError> {
-        let mut loose_count = 0;
-        for (vertex_idx, influence) in influences.iter_mut().enumerate() {
-            let sum: f32 = influence.weights.iter().sum();
-            if !sum.is_finite() || influence.weights.iter().any(|&weight| weight < 0.0) {
-                let element = format!("{} WEIGHTS vertex {vertex_idx}", self.element);
-                let found = format!("{:?}", influence.weights);
-                return Err(job.invalid(element, found, "finite weights, 0 or more"));
-            }
-            if sum > 0.0 {
-                influence.weights.iter_mut().for_each(|weight| *weight /= sum);
-            } else {
-                *influence = VertexInfluences::default();
-                influence.weights[0] = 1.0;
-                loose_count += 1;
-            }
-        }
-        if loose_count > 0 {
-            let message = format!("{loose_count} vertices follow no joint; they follow the first");
-            job.warn(&self.element, message);
-        }
-        Ok(())
     }
 }
 

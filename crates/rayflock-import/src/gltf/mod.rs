@@ -20,6 +20,7 @@ mod accessor;
 mod animation;
 mod buffers;
 mod document;
+mod influences;
 mod light_camera;
 mod material;
 mod mesh;

@@ -68,7 +68,7 @@ impl Document {
         &mut self.json["meshes"][0]["primitives"][0]
     }
 
-    fn material(mut self, material: Value) -> Self {
+    fn material(mut self, material: &Value) -> Self {
         self.json["materials"] = json!([material]);
         self.primitive()["material"] = json!(0);
         self
@@ -423,20 +423,20 @@ fn wrong_clips_are_errors_or_left_out() {
 
 #[test]
 fn materials_are_mapped_as_documented() {
-    let document = Document::triangle().material(json!({ "pbrMetallicRoughness": {
+    let document = Document::triangle().material(&json!({ "pbrMetallicRoughness": {
         "baseColorFactor": [1.0, 0.5, 0.0, 1.0], "metallicFactor": 1.0, "roughnessFactor": 0.0 } }));
     let (scene, _) = document.load().unwrap();
     let gold = &scene.materials[0];
     assert_eq!((gold.mirror, gold.diffuse), (Vec3::new(1.0, 0.5, 0.0), Vec3::ZERO));
     assert_eq!((gold.fresnel, gold.shininess), (Fresnel::Schlick, 1000.0));
 
-    let document = Document::triangle().material(json!({ "pbrMetallicRoughness": {
+    let document = Document::triangle().material(&json!({ "pbrMetallicRoughness": {
         "baseColorFactor": [1.0, 0.5, 0.0, 1.0] } }));
     let (scene, _) = document.load().unwrap();
     let rough = &scene.materials[0];
     assert_eq!((rough.mirror, rough.diffuse), (Vec3::ZERO, Vec3::new(1.0, 0.5, 0.0)));
 
-    let document = Document::triangle().material(json!({
+    let document = Document::triangle().material(&json!({
         "emissiveFactor": [1, 1, 0], "alphaMode": "BLEND",
         "pbrMetallicRoughness": { "metallicFactor": 0, "baseColorFactor": [1, 1, 1, 0.25] },
         "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 4.0 } } }));
@@ -444,7 +444,7 @@ fn materials_are_mapped_as_documented() {
     let lamp = &scene.materials[0];
     assert_eq!((lamp.emission, lamp.transmission), (Vec3::new(4.0, 4.0, 0.0), Vec3::splat(0.75)));
 
-    let document = Document::triangle().material(json!({
+    let document = Document::triangle().material(&json!({
         "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 0 },
         "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1.0 },
             "KHR_materials_ior": { "ior": 1.25 },
@@ -459,7 +459,7 @@ fn materials_are_mapped_as_documented() {
 
 #[test]
 fn colour_textures_load_with_their_coordinates_and_means_stand_for_data() {
-    let mut document = Document::triangle().material(json!({ "pbrMetallicRoughness": {
+    let mut document = Document::triangle().material(&json!({ "pbrMetallicRoughness": {
         "baseColorTexture": { "index": 0, "texCoord": 1, "extensions": { "KHR_texture_transform":
             { "offset": [0.5, 0.0], "scale": [2.0, 1.0] } } },
         "metallicRoughnessTexture": { "index": 1 } } }));
@@ -500,7 +500,7 @@ fn unreadable_images_are_warnings() {
         json!({ "bufferView": 0 }),
         json!({}),
     ] {
-        let mut document = Document::triangle().material(json!({ "pbrMetallicRoughness": {
+        let mut document = Document::triangle().material(&json!({ "pbrMetallicRoughness": {
             "baseColorTexture": { "index": 0 } } }));
         document.json["images"] = json!([image]);
         document.json["textures"] = json!([{ "source": 0 }]);

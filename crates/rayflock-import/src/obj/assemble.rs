@@ -18,8 +18,8 @@ use super::parse::{Corner, Group, NONE, ObjFile};
 use crate::mesh_parts::MeshParts;
 
 /// The mesh of a group.
-pub(super) fn mesh_parts(file: &ObjFile, group: Group) -> MeshParts {
-    let mut vertices = Vertices::of(&group);
+pub(super) fn mesh_parts(file: &ObjFile, group: &Group) -> MeshParts {
+    let mut vertices = Vertices::of(group);
     let triangles: Vec<[u32; 3]> =
         group.triangles.iter().map(|corners| corners.map(|corner| vertices.add(corner))).collect();
     let corners: Vec<Corner> = vertices.finish();

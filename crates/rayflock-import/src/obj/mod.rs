@@ -39,7 +39,7 @@ pub(crate) fn load(bytes: Vec<u8>, job: &mut Job<'_>) -> Result<Scene, ImportErr
     for group in std::mem::take(&mut file.groups) {
         let name = if group.name.is_empty() { job.name() } else { group.name.clone() };
         let element = format!("object \"{name}\"");
-        let mesh = assemble::mesh_parts(&file, group).build(&element, job)?;
+        let mesh = assemble::mesh_parts(&file, &group).build(&element, job)?;
         meshes.push((name, mesh));
     }
     job.add_upright(&mut scene, meshes);

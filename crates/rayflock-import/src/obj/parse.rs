@@ -101,7 +101,7 @@ impl Parser {
             unknown => {
                 self.known_count -= 1;
                 if self.unknown.len() < 8 {
-                    self.unknown.insert(crate::error::shorten(unknown.to_owned()));
+                    self.unknown.insert(crate::error::shorten(unknown));
                 }
             }
         }
@@ -134,15 +134,15 @@ impl Parser {
             })?;
             self.corners.push(corner);
         }
-        let [first, rim @ ..] = self.corners.as_slice() else { return Ok(self.small_count += 1) };
-        if rim.len() < 2 {
+        let [first, rim @ ..] = self.corners.as_slice() else {
             self.small_count += 1;
             return Ok(());
-        }
+        };
         if self.file.groups.is_empty() {
             self.file.groups.push(Group::default());
             self.group_idxs.insert(String::new(), 0);
         }
+        self.small_count += usize::from(rim.len() < 2);
         let group = &mut self.file.groups[self.group_idx];
         for pair in rim.windows(2) {
             group.triangles.push([*first, pair[0], pair[1]]);

@@ -41,7 +41,8 @@ pub(crate) fn load(bytes: Vec<u8>, job: &mut Job<'_>) -> Result<Scene, ImportErr
         let message = format!("{} bytes are left; they are ignored", payload.get_ref().len());
         job.warn("end of file", message);
     }
-    let mesh = surface(&header, rows, job)?;
+    drop(bytes);
+    let mesh = surface(&header, &rows, job)?;
     let mut scene =
         Scene { name: job.name(), materials: vec![Material::default()], ..Scene::default() };
     job.add_upright(&mut scene, vec![(job.name(), mesh)]);
@@ -96,7 +97,7 @@ fn read_element<Row: PropertyAccess>(
 }
 
 /// Triangles, or spheres where there are no faces.
-fn surface(header: &Header, rows: Rows, job: &mut Job<'_>) -> Result<SurfaceMesh, ImportError> {
+fn surface(header: &Header, rows: &Rows, job: &mut Job<'_>) -> Result<SurfaceMesh, ImportError> {
     let columns = header::columns(header);
     if !rows.vertices.is_empty() && !columns.positions {
         return Err(job.invalid("element \"vertex\"", "no x, y and z", "positions"));
@@ -104,7 +105,7 @@ fn surface(header: &Header, rows: Rows, job: &mut Job<'_>) -> Result<SurfaceMesh
     if rows.faces.is_empty() && rows.strips.is_empty() && !rows.vertices.is_empty() {
         return spheres(&rows.vertices, columns.radius, job);
     }
-    let mut parts = MeshParts { triangles: triangles(&rows, job)?, ..MeshParts::default() };
+    let mut parts = MeshParts { triangles: triangles(rows, job)?, ..MeshParts::default() };
     for row in &rows.vertices {
         parts.positions.push(Vec3::from(row.position));
         if columns.normals {
