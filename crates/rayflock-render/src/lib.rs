@@ -2,9 +2,48 @@
 //!
 //! | Part | Use it when |
 //! |---|---|
-//! | [`WhittedRenderer`] | you want pictures: shadows, mirrors, glass |
-//! | [`FrameRenderer`] | you take any renderer of frames |
-//! | [`tonemap`] | you want to show or store a [`Film`] |
+//! | [`WhittedRenderer`] | you want pictures: shadows, mirrors, glass, textures |
+//! | [`reference`] | you check a renderer: slow, plain, one ray at a time |
+//! | [`FrameRenderer`] | your code takes any renderer of frames |
+//! | [`tonemap`] | you show or store a [`Film`] |
+//!
+//! # What is rendered
+//!
+//! Whitted's model: light of point, spot and directional lights and of surfaces that emit,
+//! scattered once (Lambert and Blinn-Phong) and followed through mirrors and glass; ambient light
+//! stands for the rest. Units are those of [`LightKind`](rayflock_scene::LightKind): a matte
+//! surface of reflectance `k` sends back `k E / pi`. Surfaces are two-sided; triangle meshes of
+//! glass must be closed and wound counter-clockwise as seen from outside.
+//!
+//! A scene without lights and without emission gets a key light, over the viewer's left shoulder
+//! and turning with the camera's heading, and the light of the sky. A scene without background
+//! gets a gradient: blue above, pale at the horizon, grey below. Shadows of smooth meshes with few
+//! triangles fall as if the mesh were smooth; glass casts a full shadow.
+//!
+//! # Example
+//!
+//! ```
+//! use std::sync::Arc;
+//!
+//! use rayflock_engine::{EngineKind, create};
+//! use rayflock_render::tonemap::{ToneMap, to_srgb8};
+//! use rayflock_render::{Film, FrameRenderer, RenderSettings, View, WhittedRenderer};
+//! use rayflock_scene::{Evaluator, builtin};
+//!
+//! let scene = Arc::new(builtin::build("cornell").ok_or("no such scene")?);
+//! let mut evaluator = Evaluator::new(Arc::clone(&scene), None)?;
+//! let mut renderer = WhittedRenderer::new(create(EngineKind::Hierarchy));
+//! let mut film = Film::new(32, 24);
+//! for time in [0.0, 0.5] {
+//!     let frame = evaluator.evaluate(time)?;
+//!     renderer.commit(&scene, frame)?;
+//!     let view = View::new(frame.cameras[0], scene.cameras[0].projection);
+//!     renderer.render(&view, &RenderSettings::default(), &mut film);
+//!     let bytes = to_srgb8(&film, 0.0, ToneMap::Agx);
+//!     assert_eq!(bytes.len(), 3 * 32 * 24);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![forbid(unsafe_code)]
 
 mod error;

@@ -22,7 +22,7 @@
 //! only where the vertex normals are within [`SMOOTH_COS`] of the facet's: others mean hard edges
 //! that share normals, which lifting would let light leak around.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec3A};
 use rayflock_geom::{Hit, PrimKind, Ray, transform_point, transform_sphere};
 use rayflock_scene::MaterialIdx;
 
@@ -116,7 +116,7 @@ fn on_sphere(object: &ShadedObject, sphere_idx: usize, hit: &Hit, ray: &Ray) -> 
 
     let mut point = facing(position, outward, largest, ray);
     let axis = object.transform.map_or(outward, |m| {
-        Vec3::from(m.matrix3.transpose() * glam::Vec3A::from(outward)).normalize_or(outward)
+        Vec3::from(m.matrix3.transpose() * Vec3A::from(outward)).normalize_or(outward)
     });
     let longitude = axis.x.atan2(axis.z) / std::f32::consts::TAU;
     let latitude = axis.y.clamp(-1.0, 1.0).acos() / std::f32::consts::PI;
@@ -171,7 +171,7 @@ fn smooth(point: &mut SurfacePoint, shares: [f32; 3], corners: [Vec3; 3], normal
 /// The unit normal on the side from which the corners run counter-clockwise, formed in `f64` so
 /// that it does not underflow.
 fn triangle_normal(corners: [Vec3; 3]) -> Vec3 {
-    let [v0, v1, v2] = corners.map(|corner| corner.as_dvec3());
+    let [v0, v1, v2] = corners.map(Vec3::as_dvec3);
     (v1 - v0).cross(v2 - v0).normalize_or_zero().as_vec3()
 }
 

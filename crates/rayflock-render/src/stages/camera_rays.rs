@@ -19,6 +19,9 @@ use crate::wave::{Path, Shared, Wave};
 /// Pixels along the side of a tile.
 pub(crate) const TILE: usize = 8;
 
+/// Angles of view that a plane can hold.
+const FOV_RANGE: (f32, f32) = (1e-4, std::f32::consts::PI - 1e-2);
+
 /// Fills `wave` with a ray through each pixel of `rows`, at position `sample_idx` of the pixel's
 /// samples, for a film of `width` times `height` pixels.
 pub(crate) fn camera_rays(
@@ -99,7 +102,7 @@ impl Lens {
         };
         match view.projection {
             Projection::Perspective { vertical_fov } => {
-                let half = (0.5 * vertical_fov.clamp(1e-4, 3.14)).tan();
+                let half = (0.5 * vertical_fov.clamp(FOV_RANGE.0, FOV_RANGE.1)).tan();
                 Self::Pinhole { origin: eye, film: plane(axis(Vec3::NEG_Z), 2.0 * half) }
             }
             Projection::Orthographic { height: picture_height } => {

@@ -1,0 +1,5 @@
+//! Tests of whole pictures.
+
+mod agreement;
+mod common;
+mod light;
