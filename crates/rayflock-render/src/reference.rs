@@ -297,9 +297,8 @@ impl Shares {
         let eta = if point.from_outside { ior.recip() } else { ior };
         let (mirror, kept) = match material.fresnel {
             Fresnel::Constant => (material.mirror, 1.0),
-            Fresnel::Schlick if material.mirror == Vec3::ZERO => (Vec3::ZERO, 1.0),
             Fresnel::Schlick => {
-                let kept = 1.0 - fresnel::schlick(cos);
+                let kept = 1.0 - fresnel::schlick(material.mirror, cos);
                 (Vec3::ONE - (Vec3::ONE - material.mirror) * kept, kept)
             }
             Fresnel::Dielectric => {

@@ -8,10 +8,11 @@
 use glam::{Affine3A, Vec3};
 use rayflock_scene::LightKind;
 
-/// Irradiance of a surface that faces the key light: that of white paper of radiance 0.9.
-const KEY_IRRADIANCE: Vec3 = Vec3::new(2.95, 2.83, 2.64);
+/// Irradiance of a surface that faces the key light: white paper then has a radiance of 0.8, and
+/// with the light of the sky just below 1.
+const KEY_IRRADIANCE: Vec3 = Vec3::new(2.55, 2.45, 2.28);
 /// The share of the sky's light that arrives, since nothing occludes ambient light.
-pub(crate) const SKY_SHARE: f32 = 0.55;
+pub(crate) const SKY_SHARE: f32 = 0.7;
 
 /// The key light for a camera at `world_from_camera`.
 pub(crate) fn key_light(world_from_camera: &Affine3A) -> LightKind {

@@ -3,11 +3,12 @@
 use glam::Vec3;
 use rayflock_scene::Background;
 
-/// The sky of scenes that state no background: a clear day over light ground.
+/// The sky of scenes that state no background: a clear day over bare ground, dark enough for
+/// white things to stand out.
 pub(crate) const DEFAULT_SKY: Background = Background::Gradient {
-    zenith: Vec3::new(0.28, 0.46, 0.78),
-    horizon: Vec3::new(0.80, 0.86, 0.92),
-    ground: Vec3::new(0.42, 0.40, 0.38),
+    zenith: Vec3::new(0.10, 0.20, 0.42),
+    horizon: Vec3::new(0.42, 0.50, 0.58),
+    ground: Vec3::new(0.13, 0.125, 0.12),
 };
 
 /// The radiance from along `direction`, of any length; gradients are linear in the sine of the

@@ -2,14 +2,19 @@
 
 use glam::Vec3;
 
-/// How much of what lies below a varnish is lost at an angle of incidence with cosine `cos`: the
-/// term that Schlick's approximation adds, `(1 - cos)^5`.
+/// What Schlick's approximation adds to a share `mirror` at normal incidence, relative to what
+/// `mirror` leaves, at an angle of incidence with cosine `cos`: `(1 - cos)^5`, less where `mirror`
+/// is below that of any smooth surface.
+///
+/// A share below 4 % stands for a surface too rough to show sharp reflections; it does not become
+/// a mirror at grazing angles.
 ///
 /// **Source**: C. Schlick, *An Inexpensive BRDF Model for Physically-based Rendering* (1994).
-pub(crate) fn schlick(cos: f32) -> f32 {
+pub(crate) fn schlick(mirror: Vec3, cos: f32) -> f32 {
+    const SMOOTH: f32 = 0.04;
     let sideways = (1.0 - cos).clamp(0.0, 1.0);
     let squared = sideways * sideways;
-    squared * squared * sideways
+    squared * squared * sideways * (mirror.max_element() / SMOOTH).clamp(0.0, 1.0)
 }
 
 /// The mirrored share of unpolarised light at an interface between dielectrics, for a cosine of
@@ -55,6 +60,14 @@ mod tests {
         assert!((dielectric(1.0, 1.0 / 1.5) - 0.04).abs() < 1e-6);
         assert!((dielectric(1.0, 1.5) - 0.04).abs() < 1e-6);
         assert!(dielectric(0.0, 1.0 / 1.5) > 0.999);
+    }
+
+    #[test]
+    fn schlick_reaches_one_at_grazing_where_the_surface_is_smooth() {
+        assert_eq!(schlick(Vec3::splat(0.04), 0.0), 1.0);
+        assert_eq!(schlick(Vec3::splat(0.5), 1.0), 0.0);
+        assert_eq!(schlick(Vec3::splat(0.01), 0.0), 0.25);
+        assert_eq!(schlick(Vec3::ZERO, 0.0), 0.0);
     }
 
     #[test]

@@ -8,9 +8,8 @@
 //! | `Schlick` | `mirror + (1 - mirror) s` | `transmission (1 - s)` | times `1 - s` |
 //! | `Dielectric` | `F`, colourless | `transmission (1 - F)` | times `1 - F` |
 //!
-//! where `s = (1 - cos)^5`: what Schlick adds to the mirror is lost below, for
-//! `1 - F = (1 - mirror)(1 - s)`. A `Schlick` material whose `mirror` is zero does not mirror at
-//! all. Where refraction is not possible (total internal reflection), the transmitted share is
+//! where `s` is [`fresnel::schlick`], about `(1 - cos)^5`: what Schlick adds to the mirror is lost
+//! below, for `1 - F = (1 - mirror)(1 - s)`. Where refraction is not possible (total internal reflection), the transmitted share is
 //! mirrored.
 
 use glam::Vec3;
@@ -54,9 +53,8 @@ pub(crate) fn scatter(
     let eta = relative_index(material, point.from_outside);
     let (mut mirror, kept) = match material.fresnel {
         Fresnel::Constant => (material.mirror, 1.0),
-        Fresnel::Schlick if material.mirror == Vec3::ZERO => (Vec3::ZERO, 1.0),
         Fresnel::Schlick => {
-            let added = fresnel::schlick(cos);
+            let added = fresnel::schlick(material.mirror, cos);
             (material.mirror + (Vec3::ONE - material.mirror) * added, 1.0 - added)
         }
         Fresnel::Dielectric => {
