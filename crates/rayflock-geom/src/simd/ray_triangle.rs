@@ -42,8 +42,9 @@ use crate::Ray;
 /// triangles early must keep those within this distance of a ray.
 pub const PERTURBATION: f32 = 1.0 / (1 << 20) as f32;
 
-/// Edge values beyond these bounds are computed again in `f64`.
-const SMALLEST_EDGE: f32 = 1e-27;
+/// Edge values beyond these bounds are computed again in `f64`. Below the smallest, products with
+/// the depth of a corner underflow by more than the test may err.
+const SMALLEST_EDGE: f32 = 1e-24;
 const LARGEST_EDGE: f32 = 1e27;
 
 /// What the accepting test needs to know about one ray.
