@@ -133,7 +133,10 @@ impl TracePacket {
         let mut far = f32::NEG_INFINITY;
         for lane in 0..LANES {
             let t_max = self.triangle_rays.t_max[lane].min(self.t[lane]);
-            let distance = t_max * self.lengths[lane];
+            // Behind the origin, the farthest hits are the nearest ones.
+            let t_min = self.triangle_rays.t_min[lane];
+            let farthest = if t_min < 0.0 { t_max.max(-t_min) } else { t_max };
+            let distance = farthest * self.lengths[lane];
             let counts = self.active & (1 << lane) != 0;
             far = if counts { far.max(distance) } else { far };
         }
