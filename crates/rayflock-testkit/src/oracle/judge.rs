@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::candidate::{Candidate, TRange, Verdict};
 use super::ray::OracleRay;
-use super::{Oracle, RELATIVE_SLACK, Shape};
+use super::{Oracle, Shape};
 
 /// Why an answer is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -108,14 +108,14 @@ impl Oracle {
         let Some(Shape::Triangle(triangle)) = prim.map(|prim| &prim.shape) else {
             return Ok(());
         };
-        let (beside, tolerance, depth) = triangle.point_error(&OracleRay::new(ray), hit.u, hit.v);
-        let size = depth.abs().max(found.t.lo.abs()).max(found.t.hi.abs());
-        let deep = found.t.widened(RELATIVE_SLACK * size);
+        let point = triangle.named_point(&OracleRay::new(ray), hit.u, hit.v);
+        let (beside, tolerance) = (point.beside, point.beside_tolerance);
+        let deep = found.t.widened(point.depth_tolerance);
         let inside = hit.u >= 0.0 && hit.v >= 0.0 && hit.u + hit.v <= 1.0 + f32::EPSILON;
-        if inside && beside <= tolerance && (deep.lo..=deep.hi).contains(&depth) {
+        if inside && beside <= tolerance && (deep.lo..=deep.hi).contains(&point.depth) {
             Ok(())
         } else {
-            Err(Fault::WrongPoint { hit: *hit, beside, tolerance, depth })
+            Err(Fault::WrongPoint { hit: *hit, beside, tolerance, depth: point.depth })
         }
     }
 }

@@ -123,7 +123,9 @@ fn primitive(object: &GeometryObject, prim_id: PrimId) -> Option<Primitive> {
             let placed = mesh.corners(idx).map(|corner| place(transform.as_ref(), corner));
             let triangle = Triangle { corners: placed.map(|p| p.0), slack: placed.map(|p| p.1) };
             let finite = triangle.corners.iter().all(|corner| corner.is_finite());
-            (finite && !triangle.is_flat()).then_some(Shape::Triangle(triangle))
+            // Under a transform rounding may give a flat triangle some area; it stays borderline.
+            let flat = transform.is_none() && triangle.is_flat();
+            (finite && !flat).then_some(Shape::Triangle(triangle))
         }
         PrimKind::Sphere(idx) => {
             let sphere = mesh.spheres()[idx];

@@ -29,6 +29,17 @@ pub(super) struct Triangle {
     pub(super) slack: [f64; 3],
 }
 
+/// The point that barycentric coordinates name, relative to a ray.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NamedPoint {
+    /// Distance from the ray, and how large it may be.
+    pub(super) beside: f64,
+    pub(super) beside_tolerance: f64,
+    /// The `t` of the point, and what rounding of the coordinates alone may do to it.
+    pub(super) depth: f64,
+    pub(super) depth_tolerance: f64,
+}
+
 /// A triangle as a ray sees it.
 struct View {
     seen: [Seen; 3],
@@ -44,7 +55,7 @@ struct View {
 }
 
 impl Triangle {
-    /// Whether the triangle is ignored because it has no area. Differences and products of
+    /// Whether the triangle has no area and is ignored, if no transform rounded it. Differences and products of
     /// neighbouring `f32` values are exact in `f64`.
     pub(super) fn is_flat(&self) -> bool {
         let [a, b, c] = self.corners;
@@ -64,9 +75,8 @@ impl Triangle {
         }
     }
 
-    /// How far the point with these barycentric coordinates lies beside the ray, and how far it
-    /// may; and its `t`.
-    pub(super) fn point_error(&self, ray: &OracleRay, u: f32, v: f32) -> (f64, f64, f64) {
+    /// Where the point with these barycentric coordinates lies relative to the ray.
+    pub(super) fn named_point(&self, ray: &OracleRay, u: f32, v: f32) -> NamedPoint {
         let view = self.view(ray);
         let (u, v) = (f64::from(u), f64::from(v));
         let shares = [1.0 - u - v, u, v];
@@ -74,8 +84,14 @@ impl Triangle {
             view.seen.iter().zip(shares).map(|(seen, share)| share * value(seen)).sum::<f64>()
         };
         let beside = DVec2::new(mix(&|seen| seen.beside.x), mix(&|seen| seen.beside.y));
-        let depth = mix(&|seen| seen.depth);
-        (beside.length(), view.beside_tolerance(), depth)
+        // The share of vertex 0 is a difference of rounded ones, so its error counts in full.
+        let size = view.seen.iter().map(|seen| seen.depth.abs()).fold(0.0, f64::max);
+        NamedPoint {
+            beside: beside.length(),
+            beside_tolerance: view.beside_tolerance(),
+            depth: mix(&|seen| seen.depth),
+            depth_tolerance: PRODUCT_SLACK * size,
+        }
     }
 
     fn view(&self, ray: &OracleRay) -> View {
@@ -157,20 +173,22 @@ impl View {
 
     fn t_range(&self, ray: &OracleRay) -> TRange {
         let depths = self.seen.map(|seen| seen.depth);
-        let lo = depths.into_iter().fold(f64::INFINITY, f64::min);
-        let hi = depths.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        // Engines may shear along another axis, which moves the depth of what lies beside.
+        let skew = self.seen.map(|seen| 2.0 * seen.beside.length() / ray.speed());
+        let lo = (0..3).map(|i| depths[i] - skew[i]).fold(f64::INFINITY, f64::min);
+        let hi = (0..3).map(|i| depths[i] + skew[i]).fold(f64::NEG_INFINITY, f64::max);
         let mut range = TRange { lo, hi };
         let mut size = lo.abs().max(hi.abs());
         let least_area = self.least_area();
         if least_area > 0.0 {
             let area = self.weights.iter().sum::<f64>();
             let t = (0..3).map(|i| self.weights[i] * depths[i]).sum::<f64>() / area;
-            let off = (0..3).map(|i| self.weight_slack[i] * (depths[i] - t).abs()).sum::<f64>();
-            let off = off / least_area;
+            let off = |i: usize| self.weight_slack[i] * ((depths[i] - t).abs() + skew[i]);
+            let off = (0..3).map(off).sum::<f64>() / least_area;
             range = TRange { lo: lo.max(t - off), hi: hi.min(t + off) };
             let share = |i: usize| self.weights[i].abs() + self.weight_slack[i];
-            let mixed = (0..3).map(|i| share(i) * depths[i].abs()).sum::<f64>() / least_area;
-            size = size.min(mixed);
+            let mixed = |i: usize| share(i) * (depths[i].abs() + skew[i]);
+            size = size.min((0..3).map(mixed).sum::<f64>() / least_area);
         }
         let reach = self.seen.iter().fold(1.0, |reach, seen| seen.reach.max(reach));
         let absolute = self.moved / ray.speed() + ABSOLUTE_SLACK * reach;

@@ -13,6 +13,10 @@ use super::candidate::{Crossing, TRange, Verdict};
 use super::ray::OracleRay;
 use super::{ABSOLUTE_SLACK, RELATIVE_SLACK};
 
+/// Transforms that stretch some lengths this many times more than others flatten a primitive so
+/// much that rounding decides what is hit.
+const WORST_CONDITION: f64 = 1e4;
+
 /// A user primitive, with the transform that takes rays to it.
 #[derive(Clone, Debug)]
 pub(super) struct UserPrimitive {
@@ -27,12 +31,17 @@ impl UserPrimitive {
             let t = f64::from(self.ask(&ray.single)?);
             return Some(Crossing { verdict: Verdict::CertainHit, t: TRange { lo: t, hi: t } });
         };
-        let asked: Vec<Option<f32>> =
-            rays_nearby(object_from_world, ray).map(|ray| self.ask(&ray)).collect();
+        if condition(object_from_world) > WORST_CONDITION {
+            let t = TRange { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+            return Some(Crossing { verdict: Verdict::Borderline, t });
+        }
+        let nearby = Nearby::new(object_from_world, ray);
+        let asked: Vec<Option<f32>> = nearby.rays(&ray.single).map(|ray| self.ask(&ray)).collect();
         let found: Vec<f64> = asked.iter().flatten().map(|&t| f64::from(t)).collect();
         let lo = found.iter().copied().reduce(f64::min)?;
         let hi = found.iter().copied().fold(lo, f64::max);
-        let slack = (hi - lo) + RELATIVE_SLACK * lo.abs().max(hi.abs()) + ABSOLUTE_SLACK;
+        let relative = RELATIVE_SLACK * lo.abs().max(hi.abs()) + ABSOLUTE_SLACK;
+        let slack = (hi - lo) + relative + nearby.t_slack();
         let t = TRange { lo, hi }.widened(slack);
         let sure = found.len() == asked.len();
         let shape = if sure { Verdict::CertainHit } else { Verdict::Borderline };
@@ -49,25 +58,53 @@ impl UserPrimitive {
     }
 }
 
-/// The ray in object space, then the same moved by what `f32` may do to it.
-fn rays_nearby(object_from_world: &DAffine3, ray: &OracleRay) -> impl Iterator<Item = Ray> + use<> {
-    let like = ray.single;
+/// How much more a transform stretches some lengths than others, at most.
+fn condition(object_from_world: &DAffine3) -> f64 {
+    let size = |m: &DMat3| m.to_cols_array().iter().map(|entry| entry * entry).sum::<f64>().sqrt();
     let matrix = object_from_world.matrix3;
-    let origin = object_from_world.transform_point3(ray.org);
-    let direction = matrix * ray.dir;
-    let sizes = DMat3::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs());
-    let origin_slack =
-        RELATIVE_SLACK * (sizes * ray.org.abs() + object_from_world.translation.abs());
-    let direction_slack = RELATIVE_SLACK * (sizes * ray.dir.abs());
-    let moves = (0..3)
-        .flat_map(|axis| [DVec3::AXES[axis], -DVec3::AXES[axis]].map(|step| (step, DVec3::ZERO)));
-    let turns = (0..3)
-        .flat_map(|axis| [DVec3::AXES[axis], -DVec3::AXES[axis]].map(|step| (DVec3::ZERO, step)));
-    std::iter::once((DVec3::ZERO, DVec3::ZERO)).chain(moves).chain(turns).map(
-        move |(step, turn)| Ray {
-            origin: (origin + step * origin_slack).as_vec3(),
-            direction: (direction + turn * direction_slack).as_vec3(),
-            ..like
-        },
-    )
+    size(&matrix) * size(&matrix.inverse())
+}
+
+/// A ray in object space, and what `f32` may do to it on its way there.
+struct Nearby {
+    origin: DVec3,
+    direction: DVec3,
+    origin_slack: DVec3,
+    direction_slack: DVec3,
+}
+
+impl Nearby {
+    fn new(object_from_world: &DAffine3, ray: &OracleRay) -> Self {
+        let matrix = object_from_world.matrix3;
+        let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::abs);
+        let sizes = DMat3::from_cols(columns[0], columns[1], columns[2]);
+        let shift = object_from_world.translation.abs();
+        Self {
+            origin: object_from_world.transform_point3(ray.org),
+            direction: matrix * ray.dir,
+            origin_slack: RELATIVE_SLACK * (sizes * ray.org.abs() + shift),
+            direction_slack: RELATIVE_SLACK * (sizes * ray.dir.abs()),
+        }
+    }
+
+    /// The ray, then the same moved and turned along each axis and diagonal.
+    fn rays(&self, like: &Ray) -> impl Iterator<Item = Ray> {
+        let axes = DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
+        let sign = |bits: u8, axis: u8| if bits & (1 << axis) == 0 { 1.0 } else { -1.0 };
+        let diagonal = move |bits| DVec3::new(sign(bits, 0), sign(bits, 1), sign(bits, 2));
+        let steps = axes.chain((0..8).map(diagonal));
+        let moves = steps.clone().map(|step| (step, DVec3::ZERO));
+        let turns = steps.map(|step| (DVec3::ZERO, step));
+        let all = std::iter::once((DVec3::ZERO, DVec3::ZERO)).chain(moves).chain(turns);
+        all.map(|(step, turn)| Ray {
+            origin: (self.origin + step * self.origin_slack).as_vec3(),
+            direction: (self.direction + turn * self.direction_slack).as_vec3(),
+            ..*like
+        })
+    }
+
+    /// What moving the origin along the ray does to `t`.
+    fn t_slack(&self) -> f64 {
+        2.0 * self.origin_slack.length() / self.direction.length()
+    }
 }

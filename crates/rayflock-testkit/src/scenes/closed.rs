@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::mesh;
 use crate::Rng;
@@ -81,9 +81,10 @@ impl ClosedMesh {
         Self { vertices, triangles }
     }
 
-    /// `count` faces, one after the other, split at a point so near one of their edges that a
-    /// needle remains there. Rounding may fold the surface at a needle of a needle; it still
-    /// encloses what is not near it.
+    /// Up to `count` faces, one after the other, split at a point so near one of their edges that
+    /// a needle remains there. Rounding may fold the surface at a needle of a needle; it still
+    /// encloses what is not near it. No face is left without area, because those are ignored by
+    /// definition and so would be holes.
     pub fn with_needles(mut self, rng: &mut Rng, count: usize) -> Self {
         for _ in 0..count {
             let face = rng.below(self.triangles.len());
@@ -91,6 +92,9 @@ impl ClosedMesh {
             let [pa, pb, pc] = [a, b, c].map(|corner| self.vertices[corner as usize]);
             let height = rng.power_of_ten(-6, -2);
             let point = pa.lerp(pb, rng.between(0.1, 0.9)).lerp(pc, height);
+            if [[pa, pb], [pb, pc], [pc, pa]].into_iter().any(|[p, q]| is_flat(p, q, point)) {
+                continue;
+            }
             let added = self.vertices.len() as u32;
             self.vertices.push(point);
             self.triangles[face] = [a, b, added];
@@ -99,10 +103,17 @@ impl ClosedMesh {
         self
     }
 
-    /// This mesh, scaled by `size` and then moved to `center`, both rounded once to `f32`.
-    pub fn placed(&self, center: Vec3, size: f32) -> Mesh {
-        let vertices = self.vertices.iter().map(|&vertex| center + size * vertex).collect();
-        mesh(vertices, self.triangles.clone())
+    /// This surface, scaled by `size` and then moved to `center`, rounded to `f32`.
+    pub fn placed(mut self, center: Vec3, size: f32) -> Self {
+        for vertex in &mut self.vertices {
+            *vertex = center + size * *vertex;
+        }
+        self
+    }
+
+    /// The surface as a mesh.
+    pub fn mesh(&self) -> Mesh {
+        mesh(self.vertices.clone(), self.triangles.clone())
     }
 
     /// Whether every edge is used by exactly two faces, once in each direction.
@@ -115,6 +126,11 @@ impl ClosedMesh {
         }
         uses.iter().all(|(&(a, b), &count)| count == 1 && uses.get(&(b, a)) == Some(&1))
     }
+}
+
+fn is_flat(a: Vec3, b: Vec3, c: Vec3) -> bool {
+    let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
+    (b - a).cross(c - a) == DVec3::ZERO
 }
 
 /// The 20 faces: three vertices each of which is a neighbour of the two others, turned outward.
@@ -160,9 +176,16 @@ mod tests {
 
     #[test]
     fn needles_leave_no_hole() {
-        let mesh = ClosedMesh::tetrahedron().with_needles(&mut Rng::new(1), 50);
-        assert!(mesh.is_closed());
-        assert_eq!(mesh.triangles.len(), 104);
+        let far = ClosedMesh::cube().placed(Vec3::splat(1000.0), 1.0);
+        for mesh in [ClosedMesh::tetrahedron(), far] {
+            let faces = mesh.triangles.len();
+            let mesh = mesh.with_needles(&mut Rng::new(1), 50);
+            assert!(mesh.is_closed());
+            assert!(mesh.triangles.len() > faces + 50);
+            let corners = |face: [u32; 3]| face.map(|corner| mesh.vertices[corner as usize]);
+            let flat = |face| matches!(corners(face), [a, b, c] if is_flat(a, b, c));
+            assert!(!mesh.triangles.iter().any(|&face| flat(face)));
+        }
     }
 
     #[test]

@@ -115,7 +115,7 @@ impl SceneRecipe {
             1 => ClosedMesh::icosphere(rng.below(3) as u32),
             _ => ClosedMesh::tetrahedron().with_needles(rng, 20),
         };
-        shape.placed(self.center(), rng.between(0.2, 1.0) * self.size)
+        shape.placed(self.center(), rng.between(0.2, 1.0) * self.size).mesh()
     }
 
     fn boxes(&self, rng: &mut Rng, count: usize) -> UserBoxes {
