@@ -13,9 +13,20 @@ pub(crate) struct Job<'a> {
     pub(crate) file: &'a Path,
     pub(crate) options: &'a LoadOptions,
     pub(crate) reporter: &'a mut Reporter,
+    /// Pixels that images may still have, all together.
+    pub(crate) pixels_left: u64,
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    /// An import that has just begun.
+    pub(crate) fn new(
+        file: &'a Path,
+        options: &'a LoadOptions,
+        reporter: &'a mut Reporter,
+    ) -> Self {
+        Self { file, options, reporter, pixels_left: crate::texture::PIXEL_LIMIT }
+    }
+
     /// Tells that a part of the file was left out or put right.
     pub(crate) fn warn(&mut self, element: impl Into<String>, message: impl Into<String>) {
         let (file, message) = (self.file.to_owned(), crate::error::shorten(&message.into()));
@@ -98,7 +109,7 @@ mod tests {
     fn paths_stay_in_the_folder() {
         let (options, mut reporter) = (LoadOptions::default(), Reporter::new());
         let file = Path::new("models/a.v2.gltf");
-        let job = Job { file, options: &options, reporter: &mut reporter };
+        let job = Job::new(file, &options, &mut reporter);
         assert_eq!(job.name(), "a");
         assert_eq!(job.neighbour("tex\\b.png"), Ok(PathBuf::from("models/tex/b.png")));
         for bad in ["", "../b.png", "/etc/passwd", "c:\\b.png", "http://host/b.png", "a/../../b"] {

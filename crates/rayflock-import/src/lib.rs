@@ -93,7 +93,7 @@ pub fn load_with(
     if compressed {
         bytes = gz::decompress(path, &bytes)?;
     }
-    let mut job = job::Job { file: path, options, reporter };
+    let mut job = job::Job::new(path, options, reporter);
     let Some(load) = importer(&extension) else {
         unreachable!("`extension` lets through what has an importer")
     };

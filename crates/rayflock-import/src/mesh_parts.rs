@@ -123,7 +123,7 @@ mod tests {
     fn build(parts: MeshParts) -> (Result<SurfaceMesh, ImportError>, Vec<String>) {
         let (options, mut reporter) = (LoadOptions::default(), Reporter::new());
         let file = Path::new("a.obj");
-        let mut job = Job { file, options: &options, reporter: &mut reporter };
+        let mut job = Job::new(file, &options, &mut reporter);
         let mesh = parts.build("object 0", &mut job);
         (mesh, reporter.warnings().iter().map(|warning| warning.message.clone()).collect())
     }

@@ -1,10 +1,11 @@
 //! Warnings: what an importer left out or put right on its way.
 
+use std::collections::HashSet;
 use std::fmt;
 use std::path::PathBuf;
 
 /// Something in a file that was left out or put right; the scene is usable nevertheless.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Warning {
     /// The file that was asked for.
     pub file: PathBuf,
@@ -24,6 +25,8 @@ impl fmt::Display for Warning {
 #[derive(Clone, Debug, Default)]
 pub struct Reporter {
     warnings: Vec<Warning>,
+    /// The same again, to find one quickly: a damaged file can cause very many.
+    known: HashSet<Warning>,
 }
 
 impl Reporter {
@@ -34,7 +37,7 @@ impl Reporter {
 
     /// Adds a warning, unless the same one is there already.
     pub fn warn(&mut self, warning: Warning) {
-        if !self.warnings.contains(&warning) {
+        if self.known.insert(warning.clone()) {
             self.warnings.push(warning);
         }
     }

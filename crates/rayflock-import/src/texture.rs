@@ -2,7 +2,8 @@
 //!
 //! A PNG can unfold to a thousand times its size and both headers can claim any size, so an image
 //! may have [`LARGEST_SIDE`] pixels a side and, whatever it claims, [`RATIO_LIMIT`] times as many
-//! bytes as its file plus [`BASE_LIMIT`].
+//! bytes as its file plus [`BASE_LIMIT`]. All images of an import together may have
+//! [`PIXEL_LIMIT`] pixels.
 
 use std::io::Cursor;
 use std::sync::Arc;
@@ -17,11 +18,13 @@ const LARGEST_SIDE: u32 = 8192;
 const RATIO_LIMIT: u64 = 1032;
 /// Decoded bytes that any file may have: 1 MiB.
 const BASE_LIMIT: u64 = 1 << 20;
+/// Pixels of all images of an import: as textures they take 1.5 GiB.
+pub(crate) const PIXEL_LIMIT: u64 = 1 << 27;
 /// Bytes that a decoder may allocate: 1 GiB.
 const DECODER_LIMIT: u64 = 1 << 30;
 
-/// Decodes a PNG or JPEG, or says why it cannot be read.
-pub(crate) fn decode(bytes: &[u8]) -> Result<RgbImage, String> {
+/// Decodes a PNG or JPEG, or says why it cannot be read. Takes its pixels from `pixels_left`.
+pub(crate) fn decode(bytes: &[u8], pixels_left: &mut u64) -> Result<RgbImage, String> {
     let reader = || {
         let mut reader = ImageReader::new(Cursor::new(bytes))
             .with_guessed_format()
@@ -38,9 +41,13 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<RgbImage, String> {
     };
     let (width, height) = reader()?.into_dimensions().map_err(|error| error.to_string())?;
     let limit = BASE_LIMIT + RATIO_LIMIT * bytes.len() as u64;
-    if width == 0 || height == 0 || u64::from(width) * u64::from(height) * 3 > limit {
+    let pixel_count = u64::from(width) * u64::from(height);
+    if pixel_count == 0 || pixel_count * 3 > limit {
         return Err(format!("{width} x {height} pixels in {} bytes", bytes.len()));
     }
+    *pixels_left = pixels_left.checked_sub(pixel_count).ok_or_else(|| {
+        format!("{width} x {height} pixels, more than all images together may have")
+    })?;
     Ok(reader()?.decode().map_err(|error| error.to_string())?.into_rgb8())
 }
 
@@ -85,7 +92,7 @@ pub(crate) mod tests {
 
     #[test]
     fn texels_become_linear() {
-        let image = decode(&png(2, 1, [255, 0, 188])).unwrap();
+        let image = decode(&png(2, 1, [255, 0, 188]), &mut { PIXEL_LIMIT }).unwrap();
         let texture = texture("a".into(), &image);
         assert_eq!((texture.width, texture.height, texture.texels.len()), (2, 1, 2));
         let [r, g, b] = texture.texels[0];
@@ -96,9 +103,12 @@ pub(crate) mod tests {
 
     #[test]
     fn wrong_images_say_why() {
-        assert_eq!(decode(b"garbage").unwrap_err(), "found neither PNG nor JPEG");
+        assert_eq!(
+            decode(b"garbage", &mut { PIXEL_LIMIT }).unwrap_err(),
+            "found neither PNG nor JPEG"
+        );
         let whole = png(64, 64, [1, 2, 3]);
-        assert!(decode(&whole[..whole.len() / 2]).is_err());
+        assert!(decode(&whole[..whole.len() / 2], &mut { PIXEL_LIMIT }).is_err());
     }
 
     #[test]
@@ -107,7 +117,15 @@ pub(crate) mod tests {
         let mut claims = png(1, 1, [0; 3]);
         claims[16..20].copy_from_slice(&8000_u32.to_be_bytes());
         claims[20..24].copy_from_slice(&8000_u32.to_be_bytes());
-        assert!(decode(&claims).is_err());
-        assert!(decode(&png(8193, 1, [0; 3])).is_err());
+        assert!(decode(&claims, &mut { PIXEL_LIMIT }).is_err());
+        assert!(decode(&png(8193, 1, [0; 3]), &mut { PIXEL_LIMIT }).is_err());
+    }
+
+    #[test]
+    fn images_share_a_limit() {
+        let mut left = 10;
+        assert!(decode(&png(3, 3, [0; 3]), &mut left).is_ok());
+        assert_eq!(left, 1);
+        assert!(decode(&png(2, 1, [0; 3]), &mut left).unwrap_err().contains("together"));
     }
 }

@@ -3,8 +3,11 @@
 //! **Invariants.** Component type, dimensions, count, byte range, stride and sparse indices are
 //! checked before the first element is read, and nothing is allocated beyond the bytes that are
 //! there. An accessor without a buffer view (all zeros, changed by sparse values) has no bytes to
-//! hold it; its count is limited to the number of bytes in all buffers.
+//! hold it; its count is limited to the number of bytes in all buffers. Many accessors can name
+//! the same bytes, so all that is read together is limited to [`BASE_LIMIT`] bytes plus
+//! [`RATIO_LIMIT`] times the buffers; real files come to about twice.
 
+use std::cell::Cell;
 use std::path::Path;
 
 use gltf::json::accessor::{Accessor, ComponentType, Type};
@@ -32,17 +35,24 @@ pub(super) const INDEX: &[ComponentType] =
     &[ComponentType::U8, ComponentType::U16, ComponentType::U32];
 
 /// Found and expected.
-type Fault = (String, String);
+pub(super) type Fault = (String, String);
 
 /// An element of an accessor and its position.
 type Placed<'a> = (usize, &'a [u8]);
 
+/// Bytes that any document may ask for: 64 MiB.
+const BASE_LIMIT: u64 = 64 << 20;
+/// Bytes that a document may ask for, for each byte of its buffers.
+const RATIO_LIMIT: u64 = 16;
+
 /// All accessors of a document.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(super) struct Accessors<'a> {
     pub(super) root: &'a Root,
     pub(super) buffers: &'a [Vec<u8>],
     pub(super) file: &'a Path,
+    /// Bytes that may still be asked for.
+    left: Cell<u64>,
 }
 
 /// What an accessor is read for.
@@ -71,6 +81,24 @@ impl<'a> Run<'a> {
 }
 
 impl<'a> Accessors<'a> {
+    /// The accessors of a document with its buffers.
+    pub(super) fn new(root: &'a Root, buffers: &'a [Vec<u8>], file: &'a Path) -> Self {
+        let held: usize = buffers.iter().map(Vec::len).sum();
+        let left = Cell::new(BASE_LIMIT + RATIO_LIMIT * held as u64);
+        Self { root, buffers, file, left }
+    }
+
+    /// Takes memory for `count` values of type `T` from what the document may ask for.
+    pub(super) fn charge<T>(&self, count: usize) -> Result<(), Fault> {
+        let size = (count as u64).saturating_mul(size_of::<T>() as u64);
+        let left = self.left.get().checked_sub(size).ok_or_else(|| {
+            let found = format!("{size} more bytes of elements");
+            (found, "buffers that are not used over and over".to_owned())
+        })?;
+        self.left.set(left);
+        Ok(())
+    }
+
     /// Elements of `N` numbers; integers are normalised to -1..1 or 0..1.
     pub(super) fn floats<const N: usize>(
         &self,
@@ -125,10 +153,13 @@ impl<'a> Accessors<'a> {
         let mut elements = match accessor.buffer_view {
             Some(view) => {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
-                self.run(view, offset, count, size)?.elements(count).map(decode_all).collect()
+                let run = self.run(view, offset, count, size)?;
+                self.charge::<[T; N]>(count)?;
+                run.elements(count).map(decode_all).collect()
             }
             None => {
                 self.check_zeros(count)?;
+                self.charge::<[T; N]>(count)?;
                 vec![[T::default(); N]; count]
             }
         };
@@ -194,6 +225,7 @@ impl<'a> Accessors<'a> {
             self.run(indices.buffer_view, indices.byte_offset.0, sparse_count, component.size())?;
         let value_run = self.run(values.buffer_view, values.byte_offset.0, sparse_count, size)?;
         let positions = index_run.elements(sparse_count);
+        self.charge::<Placed<'_>>(sparse_count)?;
         let mut replaced = Vec::with_capacity(sparse_count);
         for (position, value) in positions.zip(value_run.elements(sparse_count)) {
             let position = to_integer(component, position) as usize;

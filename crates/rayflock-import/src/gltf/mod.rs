@@ -44,7 +44,7 @@ pub(crate) fn load(bytes: Vec<u8>, job: &mut Job<'_>) -> Result<Scene, ImportErr
     let (root, blob) = document::parse(&bytes, job)?;
     drop(bytes);
     let buffers = buffers::load(&root, blob, job)?;
-    let accessors = Accessors { root: &root, buffers: &buffers, file: job.file };
+    let accessors = Accessors::new(&root, &buffers, job.file);
     let hierarchy = node::load(&root, job)?;
 
     let mut scene = Scene { name: job.name(), nodes: hierarchy.nodes, ..Scene::default() };

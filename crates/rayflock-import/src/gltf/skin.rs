@@ -45,6 +45,9 @@ impl SkinLibrary {
             }
         };
         check_influences(skin, influences, joints.len(), primitive, accessors)?;
+        accessors.charge::<VertexInfluences>(influences.len()).map_err(|(found, expected)| {
+            ImportError::invalid(accessors.file, &primitive.element, found, expected)
+        })?;
         let bound = Arc::new(Skin { joints, influences: influences.to_vec() });
         self.bound.insert(key, Arc::clone(&bound));
         Ok(bound)

@@ -210,6 +210,18 @@ fn accessors_are_checked_before_they_are_read() {
 }
 
 #[test]
+fn bytes_cannot_be_read_over_and_over_without_end() {
+    let mut document = Document::triangle();
+    let many = document.column("VEC3", 5126, 100_000, &vec![0; 1_200_000]);
+    let primitive = json!({ "attributes": { "POSITION": many } });
+    let bounds = json!([0, 0, 0]);
+    document.json["accessors"][many]["min"] = bounds.clone();
+    document.json["accessors"][many]["max"] = bounds;
+    document.json["meshes"] = json!([{ "primitives": vec![primitive; 100] }]);
+    assert_has(&document.message(), &["mesh 0 primitive", "over and over"]);
+}
+
+#[test]
 fn sparse_accessors_replace_elements() {
     let mut document = Document::triangle();
     document.column("SCALAR", 5121, 1, &[1]);

@@ -75,7 +75,7 @@ impl<'a> Images<'a> {
             (None, Some(view)) => buffers::view(self.root, self.buffers, view).map(<[u8]>::to_vec),
             (None, None) => Err("neither a URI nor a buffer view".to_owned()),
         };
-        match bytes.and_then(|bytes| texture::decode(&bytes)) {
+        match bytes.and_then(|bytes| texture::decode(&bytes, &mut job.pixels_left)) {
             Ok(image) => Some(image),
             Err(reason) => {
                 let element = label("image", image_idx, json.name.as_ref());

@@ -166,7 +166,8 @@ impl Textures {
         if let Some(loaded) = self.loaded.get(path) {
             return *loaded;
         }
-        let image = job.read_neighbour(path).and_then(|bytes| texture::decode(&bytes));
+        let bytes = job.read_neighbour(path);
+        let image = bytes.and_then(|bytes| texture::decode(&bytes, &mut job.pixels_left));
         let loaded = match image {
             Ok(image) => {
                 self.textures.push(texture::texture(path.to_owned(), &image));

@@ -12,6 +12,9 @@ use crate::texture::linear;
 /// A corner's texture coordinate or normal that is not given.
 pub(super) const NONE: u32 = u32::MAX;
 
+/// Most MTL files that one OBJ file may name.
+const LIBRARY_LIMIT: usize = 64;
+
 /// A corner of a triangle: positions in the columns of [`ObjFile`], or [`NONE`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Corner {
@@ -95,7 +98,7 @@ impl Parser {
             "f" | "fo" => self.face(statement)?,
             "o" | "g" => self.group(statement.rest()),
             "usemtl" => self.material(statement.rest()),
-            "mtllib" => self.file.libraries.push(statement.rest().to_owned()),
+            "mtllib" => self.library(statement.rest())?,
             "s" => {}
             "l" | "p" => self.undrawn_count += 1,
             unknown => {
@@ -191,6 +194,21 @@ impl Parser {
             names.push(name.to_owned());
             names.len() as u32 - 1
         });
+    }
+
+    /// Remembers an MTL file. Their number is limited, since reading each again and again would
+    /// take for ever.
+    fn library(&mut self, name: &str) -> Result<(), Fault> {
+        let libraries = &mut self.file.libraries;
+        if libraries.iter().any(|known| known == name) {
+            return Ok(());
+        }
+        if libraries.len() == LIBRARY_LIMIT {
+            let found = format!("more than {LIBRARY_LIMIT} MTL files");
+            return Err((found, format!("at most {LIBRARY_LIMIT}")));
+        }
+        libraries.push(name.to_owned());
+        Ok(())
     }
 
     fn finish(mut self, job: &mut Job<'_>) -> Result<ObjFile, ImportError> {
