@@ -7,7 +7,7 @@
 //!                            mirror_rays     mirrored rays,
 //!                            refraction_rays refracted rays
 //! light:                   shadow_rays -> engine: occluded -> accumulate
-//! next bounce:             mirrored and refracted rays, as one wave
+//! next bounce:             group_rays: mirrored and refracted rays, as one wave
 //! ```
 //!
 //! Stages work on runs of [`RUN`] rays in parallel; what the runs give is put together in their
@@ -15,6 +15,7 @@
 
 pub(crate) mod accumulate;
 pub(crate) mod camera_rays;
+pub(crate) mod group_rays;
 pub(crate) mod mirror_rays;
 pub(crate) mod refraction_rays;
 pub(crate) mod shade_surface;

@@ -18,7 +18,13 @@ pub(crate) struct Path {
     pub(crate) seed: PathSeed,
 }
 
-/// Rays of one bounce, in image order as far as they go back to different pixels.
+impl Path {
+    /// A path that has met nothing yet, of the first pixel.
+    pub(crate) const NEW: Self =
+        Self { weight: Vec3::ONE, absorption: Vec3::ZERO, pixel_idx: 0, seed: PathSeed::NONE };
+}
+
+/// Rays of one bounce; neighbours are close in the picture or in direction.
 #[derive(Debug, Default)]
 pub(crate) struct Wave {
     /// The turns behind these rays: 0 for rays from the camera.
@@ -68,13 +74,6 @@ impl Wave {
         self.origins.push(origin);
         self.directions.push(direction);
         self.paths.push(path);
-    }
-
-    /// Adds the rays of another wave; neither shares anything.
-    pub(crate) fn extend(&mut self, other: &Self) {
-        self.origins.extend_from_slice(&other.origins);
-        self.directions.extend_from_slice(&other.directions);
-        self.paths.extend_from_slice(&other.paths);
     }
 
     /// The rays as a question to an engine.

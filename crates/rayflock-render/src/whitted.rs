@@ -26,6 +26,7 @@ use crate::lights::key_light::key_light;
 use crate::shading::background::{self, DEFAULT_SKY};
 use crate::stages::accumulate::BandSums;
 use crate::stages::camera_rays::{TILE, camera_rays};
+use crate::stages::group_rays::group_rays;
 use crate::stages::shade_surface::{Surroundings, shade_surface};
 use crate::stages::shadow_rays::{ShadowTarget, shadow_batch, shadow_rays};
 use crate::stats::Stopwatch;
@@ -171,8 +172,9 @@ impl<'a> Picture<'a> {
             buffers.pending.push(wave);
             while let Some(wave) = buffers.pending.pop() {
                 self.trace_wave(engine, &wave, sample_idx, buffers, stats);
+                let next_bounce = wave.bounce + 1;
                 buffers.spare.push(wave);
-                next_waves(buffers, limit, stats);
+                next_waves(buffers, next_bounce, limit, stats);
             }
         }
     }
@@ -230,9 +232,9 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// Makes the mirrored and refracted rays of the runs waves to be traced: one where both fit in
+/// Makes the mirrored and refracted rays of the runs waves of `bounce`, to be traced: one where both fit in
 /// `limit` rays, else two.
-fn next_waves(buffers: &mut Buffers, limit: usize, stats: &mut FrameStats) {
+fn next_waves(buffers: &mut Buffers, bounce: u32, limit: usize, stats: &mut FrameStats) {
     let count_of = |wave: fn(&ShadedRun) -> &Wave| -> usize {
         buffers.runs.iter().map(|run| wave(run).len()).sum()
     };
@@ -240,26 +242,24 @@ fn next_waves(buffers: &mut Buffers, limit: usize, stats: &mut FrameStats) {
     stats.rays.mirror += mirrored as u64;
     stats.rays.refraction += refracted as u64;
 
-    let mut mirror = buffers.spare_wave();
-    for run in &buffers.runs {
-        mirror.bounce = run.mirror.bounce;
-        mirror.extend(&run.mirror);
-    }
+    let mut wave = buffers.spare_wave(bounce);
+    let mirror = buffers.runs.iter().map(|run| &run.mirror);
+    let refraction = buffers.runs.iter().map(|run| &run.refraction);
     if mirrored + refracted <= limit {
-        buffers.runs.iter().for_each(|run| mirror.extend(&run.refraction));
+        group_rays(mirror.chain(refraction), &mut wave);
     } else {
-        let mut refraction = buffers.spare_wave();
-        refraction.bounce = mirror.bounce;
-        buffers.runs.iter().for_each(|run| refraction.extend(&run.refraction));
-        buffers.enqueue(refraction);
+        group_rays(mirror, &mut wave);
+        let mut second = buffers.spare_wave(bounce);
+        group_rays(buffers.runs.iter().map(|run| &run.refraction), &mut second);
+        buffers.enqueue(second);
     }
-    buffers.enqueue(mirror);
+    buffers.enqueue(wave);
 }
 
 impl Buffers {
-    fn spare_wave(&mut self) -> Wave {
+    fn spare_wave(&mut self, bounce: u32) -> Wave {
         let mut wave = self.spare.pop().unwrap_or_default();
-        wave.clear(0);
+        wave.clear(bounce);
         wave
     }
 

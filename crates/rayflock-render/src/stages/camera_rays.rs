@@ -34,7 +34,7 @@ pub(crate) fn camera_rays(
     let count = width * rows.len();
     wave.clear(0);
     wave.order = RayOrder::Image { width, height: rows.len(), tile: TILE };
-    wave.paths.resize(count, NEW_PATH);
+    wave.paths.resize(count, Path::NEW);
     let position = subpixel(sample_idx);
     let tile_row = (TILE * width).max(1);
     let lens = Lens::new(view, width, height);
@@ -62,9 +62,6 @@ pub(crate) fn camera_rays(
         }
     });
 }
-
-const NEW_PATH: Path =
-    Path { weight: Vec3::ONE, absorption: Vec3::ZERO, pixel_idx: 0, seed: PathSeed::NONE };
 
 /// The pixels of one row of tiles, tile by tile, `row_count` rows high.
 fn tiled_pixels(width: usize, row_count: usize) -> impl Iterator<Item = (usize, usize)> {

@@ -61,7 +61,21 @@ pub(crate) fn shadow_batch<'a>(target: ShadowTarget<'_>, wave: &'a ShadowWave) -
             .and_then(|batch| batch.with_interval(0.0, TO_EMITTER)),
     };
     let Ok(batch) = batch else { unreachable!("the columns of a shadow wave have one length") };
-    batch.with_order(RayOrder::Coherent)
+    batch.with_order(order_of(target))
+}
+
+/// How neighbours relate. Seen from a lamp, points that lie side by side in the picture may lie
+/// anywhere: sorting by direction, which engines do with rays of no order, took 40 instead of 112
+/// triangle tests a ray in museum5 at 400 x 300.
+fn order_of(target: ShadowTarget<'_>) -> RayOrder {
+    match target {
+        ShadowTarget::Light(LightKind::Point { .. } | LightKind::Spot { .. }) => {
+            RayOrder::Unordered
+        }
+        ShadowTarget::Light(LightKind::Directional { .. }) | ShadowTarget::Emitters { .. } => {
+            RayOrder::Coherent
+        }
+    }
 }
 
 fn push_ray(target: ShadowTarget<'_>, point: &LitPoint, wave: &mut ShadowWave) {
