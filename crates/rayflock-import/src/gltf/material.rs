@@ -11,9 +11,9 @@
 //! | `transmission` | `c` times the factor of `KHR_materials_transmission`, dielectric Fresnel |
 //! | `absorption` | `-ln(colour) / distance` of `KHR_materials_volume` |
 //!
-//! A metallic-roughness texture counts with its mean. When it is missing, the factors, which are
-//! 1 by default, would make everything metal; the material is then taken for a rough
-//! non-metal. `KHR_materials_pbrSpecularGlossiness` gives `c`, `f0` and `1 - r` itself. Blended
+//! A metallic-roughness texture counts with its mean. Factors are 1 by default, so without their
+//! textures everything would be white metal: a missing colour texture stands for [`MISSING`]
+//! grey, a missing metallic-roughness texture for a rough non-metal. `KHR_materials_pbrSpecularGlossiness` gives `c`, `f0` and `1 - r` itself. Blended
 //! materials let light straight through in proportion to `1 - alpha`; textured alpha is ignored.
 //!
 //! **Source.** glTF 2.0, appendix B; Walter et al., "Microfacet Models for Refraction through
@@ -30,6 +30,9 @@ use super::label;
 use super::textures::Images;
 use crate::ImportError;
 use crate::job::Job;
+
+/// Mean reflectance of a colour texture that cannot be had.
+const MISSING: f32 = 0.5;
 
 /// The terms of the table that a surface is described in.
 struct Surface {
@@ -55,7 +58,10 @@ pub(super) fn load(
         check_finite(&material, &element, job)?;
         scene.materials.push(material);
     }
-    scene.materials.push(Material { name: "default".to_owned(), ..Material::default() });
+    let mut primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    if root.materials.is_empty() || primitives.any(|primitive| primitive.material.is_none()) {
+        scene.materials.push(Material { name: "default".to_owned(), ..Material::default() });
+    }
     scene.textures = images.into_textures();
     Ok(())
 }
@@ -121,7 +127,9 @@ fn surface(
     images: &mut Images<'_>,
     job: &mut Job<'_>,
 ) -> Surface {
-    let base_texture = color_slot(json).and_then(|info| images.color(info, job));
+    let slot = color_slot(json);
+    let base_texture = slot.and_then(|info| images.color(info, job));
+    let stand_in = if slot.is_some() && base_texture.is_none() { MISSING } else { 1.0 };
     if let Some(glossiness) = &extensions.pbr_specular_glossiness {
         let color = Vec4::from(glossiness.diffuse_factor.0);
         let roughness = (1.0 - glossiness.glossiness_factor.0).clamp(0.0, 1.0);
@@ -129,7 +137,7 @@ fn surface(
         // The texture is not read, and beside it a factor of 1 does not stand for a mirror.
         let textured = glossiness.specular_glossiness_texture.is_some();
         let f0 = if textured { 0.04 * f0 } else { f0 };
-        let (base, alpha) = (color.truncate(), color.w);
+        let (base, alpha) = (stand_in * color.truncate(), color.w);
         return Surface { base, alpha, base_texture, f0, metalness: 0.0, roughness };
     }
     let pbr = &json.pbr_metallic_roughness;
@@ -141,7 +149,7 @@ fn surface(
     }
     let metalness = metalness.clamp(0.0, 1.0);
     let color = Vec4::from(pbr.base_color_factor.0);
-    let (base, alpha) = (color.truncate(), color.w);
+    let (base, alpha) = (stand_in * color.truncate(), color.w);
     let f0 = Vec3::splat(((ior - 1.0) / (ior + 1.0)).powi(2)).lerp(base, metalness);
     Surface { base, alpha, base_texture, f0, metalness, roughness: roughness.clamp(0.0, 1.0) }
 }

@@ -518,6 +518,7 @@ fn unreadable_images_are_warnings() {
         document.json["textures"] = json!([{ "source": 0 }]);
         let (scene, warnings) = document.load().unwrap();
         assert!(scene.textures.is_empty() && warnings.len() == 1, "{warnings:?}");
+        assert_eq!(scene.materials[0].diffuse, Vec3::splat(0.5), "neither white nor metal");
         document.json["textures"] = json!([{}]);
         assert_eq!(document.load().unwrap().1.len(), 1);
     }

@@ -69,9 +69,10 @@ fn add_materials(file: &ObjFile, scene: &mut Scene, job: &mut Job<'_>) {
         };
         scene.materials.push(material);
     }
-    // The first name stands for faces before any `usemtl`.
-    if unknown.len() > 1 && !library.is_empty() {
-        let names = unknown[1..].join(", ");
+    // Faces before any `usemtl` have no name, and of missing libraries was told already.
+    unknown.retain(|name| !name.is_empty());
+    if !unknown.is_empty() && !library.is_empty() {
+        let names = unknown.join(", ");
         job.warn("usemtl", format!("no MTL file defines {names}; they are light grey"));
     }
     scene.textures = textures.textures;

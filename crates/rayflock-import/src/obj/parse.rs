@@ -43,7 +43,7 @@ pub(super) struct ObjFile {
     pub(super) normals: Vec<Vec3>,
     /// Groups with at least one triangle.
     pub(super) groups: Vec<Group>,
-    /// The first is of faces before any `usemtl`.
+    /// Empty for faces before any `usemtl`.
     pub(super) material_names: Vec<String>,
     pub(super) libraries: Vec<String>,
 }
@@ -54,7 +54,6 @@ pub(super) fn parse(bytes: &[u8], job: &mut Job<'_>) -> Result<ObjFile, ImportEr
         return Err(job.invalid("text", format!("a zero byte at offset {at}"), "an OBJ file"));
     }
     let mut parser = Parser::default();
-    parser.file.material_names.push(String::new());
     for statement in statements(bytes) {
         parser.read(&statement).map_err(|(found, expected)| {
             job.invalid(format!("line {}", statement.line), found, expected)
@@ -71,10 +70,12 @@ struct Parser {
     file: ObjFile,
     group_idx: usize,
     group_idxs: HashMap<String, usize>,
-    material_idx: u32,
+    /// `None` before any `usemtl`.
+    material_idx: Option<u32>,
     material_idxs: HashMap<String, u32>,
     /// The largest index into each column and the line that names it: faces may come first.
     highest: [(u32, usize); 3],
+    /// Room for the corners of one face.
     corners: Vec<Corner>,
     known_count: usize,
     unknown: BTreeSet<String>,
@@ -97,7 +98,7 @@ impl Parser {
             }
             "f" | "fo" => self.face(statement)?,
             "o" | "g" => self.group(statement.rest()),
-            "usemtl" => self.material(statement.rest()),
+            "usemtl" => self.material_idx = Some(self.material(statement.rest())),
             "mtllib" => self.library(statement.rest())?,
             "s" => {}
             "l" | "p" => self.undrawn_count += 1,
@@ -125,9 +126,9 @@ impl Parser {
         Ok(())
     }
 
-    /// Cuts a polygon into a fan.
     fn face(&mut self, statement: &Statement<'_>) -> Result<(), Fault> {
-        self.corners.clear();
+        let mut corners = std::mem::take(&mut self.corners);
+        corners.clear();
         for word in statement.arguments() {
             let corner = self.corner(word, statement.line).ok_or_else(|| {
                 let (v, vt, vn) =
@@ -135,23 +136,27 @@ impl Parser {
                 let found = format!("the corner \"{word}\" after {v} v, {vt} vt and {vn} vn");
                 (found, "v, v/vt, v//vn or v/vt/vn, counted from 1 or back from -1".to_owned())
             })?;
-            self.corners.push(corner);
+            corners.push(corner);
         }
-        let [first, rim @ ..] = self.corners.as_slice() else {
-            self.small_count += 1;
-            return Ok(());
-        };
+        match corners.as_slice() {
+            [first, rim @ ..] if rim.len() >= 2 => self.add_fan(*first, rim),
+            _ => self.small_count += 1,
+        }
+        self.corners = corners;
+        Ok(())
+    }
+
+    /// Cuts a polygon into triangles that all have its first corner.
+    fn add_fan(&mut self, first: Corner, rim: &[Corner]) {
+        let material_idx = self.material_idx.unwrap_or_else(|| self.material(""));
         if self.file.groups.is_empty() {
-            self.file.groups.push(Group::default());
-            self.group_idxs.insert(String::new(), 0);
+            self.group("");
         }
-        self.small_count += usize::from(rim.len() < 2);
         let group = &mut self.file.groups[self.group_idx];
         for pair in rim.windows(2) {
-            group.triangles.push([*first, pair[0], pair[1]]);
-            group.materials.push(self.material_idx);
+            group.triangles.push([first, pair[0], pair[1]]);
+            group.materials.push(material_idx);
         }
-        Ok(())
     }
 
     fn corner(&mut self, word: &str, line: usize) -> Option<Corner> {
@@ -188,12 +193,13 @@ impl Parser {
         });
     }
 
-    fn material(&mut self, name: &str) {
+    /// The position of a material name, which may be new.
+    fn material(&mut self, name: &str) -> u32 {
         let names = &mut self.file.material_names;
-        self.material_idx = *self.material_idxs.entry(name.to_owned()).or_insert_with(|| {
+        *self.material_idxs.entry(name.to_owned()).or_insert_with(|| {
             names.push(name.to_owned());
             names.len() as u32 - 1
-        });
+        })
     }
 
     /// Remembers an MTL file. Their number is limited, since reading each again and again would
