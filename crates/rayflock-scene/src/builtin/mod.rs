@@ -7,8 +7,10 @@
 //! | `shatter` | every triangle of a solid, from whole to rubble | no hierarchy could be refitted |
 //! | `crowd` | twelve skinned figures | you want animation as productions have it |
 //!
-//! **Invariants.** A scene depends on nothing but its name: two builds are equal. Each has a
-//! camera, lights and at least 240 frames at its own frame rate.
+//! **Invariants.** A scene depends on nothing but its name: two builds are equal (other machines
+//! may round sines differently). Each has a camera, lights and at least 240 frames at its own
+//! frame rate.
+
 mod cornell;
 mod crowd;
 mod keyed_path;

@@ -1,4 +1,4 @@
-//! A small generator of random numbers, so that scenes are the same everywhere and forever.
+//! A small generator of random numbers, so that scenes stay the same.
 //!
 //! **Source.** G. Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom Number Generators",
 //! OOPSLA 2014 (SplitMix64): a Weyl sequence, scrambled.
