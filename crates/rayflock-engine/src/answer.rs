@@ -12,7 +12,7 @@ pub(crate) fn offer_hits(
     hits: &mut Hits<'_>,
 ) {
     for (ray_idx, nearest) in found {
-        if nearest != Nearest::NONE {
+        if !nearest.is_none() {
             hits.offer(ray_idx, &table.hit(&nearest));
         }
     }

@@ -89,7 +89,7 @@ impl RayEngine for BruteEngine {
         assert_eq!(occluded.len(), rays.len(), "there must be one answer for each ray");
         let stats = self.trace(rays, Question::Occluded, |_| f32::INFINITY);
         for (occluded, nearest) in occluded.iter_mut().zip(&self.nearest) {
-            *occluded = *nearest != Nearest::NONE;
+            *occluded = !nearest.is_none();
         }
         stats
     }

@@ -4,8 +4,10 @@
 //!   arrange      rays into leaf tiles of 16 that are close in space
 //!   build_tree   bound each tile by a sphere-cone, then cones of cones, fanout 4
 //!   refine       all primitives -> those a node's cone touches -> its children's ... -> a tile's
+//!                (keep_touched asks the cone)
 //!   trace_tile   test a tile's rays against its candidates, nearest first, until all candidates
 //!                left lie beyond every hit
+//!   trace_ray    the same for the rays of a tile that go every way, one by one
 //!   answer       hand the hits over in the caller's order
 //! ```
 //!
@@ -20,7 +22,9 @@
 //! cache and memory does not grow with the number of pairs. Lists carry the bounding spheres they
 //! refer to, written by compressing stores, so that no test gathers. Nodes also bound how far
 //! their rays reach, and candidates of a tile are sorted by distance, which the depth test of a
-//! graphics card did after the fact.
+//! graphics card did after the fact. Blocks of sixteen primitives that are neighbours in their
+//! mesh are asked before their members, the shallow level over objects of Reis et al.; it costs
+//! one pass and no ordering. Where a cone is wider than it is worth, the rays are their own cones.
 //!
 //! **Invariants.** Cones, reaches and slack are conservative: a primitive that the accepting test
 //! would hit gets to the tile of the ray (`simd::cone_sphere`). Every primitive a tile skips for
@@ -34,9 +38,11 @@ mod arrange;
 mod build_tree;
 mod candidates;
 mod config;
+mod keep_touched;
 mod ray_tree;
 mod refine;
 mod sort_rays;
+mod trace_ray;
 mod trace_tile;
 
 use std::sync::Mutex;
@@ -132,7 +138,7 @@ impl RayEngine for HierarchyEngine {
         let stats = self.trace(rays, Question::Occluded, &|_| f32::INFINITY);
         occluded.fill(false);
         for (ray_idx, nearest) in self.found() {
-            occluded[ray_idx] = nearest != Nearest::NONE;
+            occluded[ray_idx] = !nearest.is_none();
         }
         stats
     }

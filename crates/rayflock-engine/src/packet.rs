@@ -4,12 +4,13 @@
 //! Both questions, `closest_hit` and `occluded`, run through [`TracePacket::test`]; the latter
 //! retires rays as soon as anything is hit.
 
+use glam::Vec3;
 use rayflock_geom::simd::ray_sphere::{SphereRays, intersect_sphere};
 use rayflock_geom::simd::ray_triangle::{RayPacket, ShearedRay, intersect_packet};
 use rayflock_geom::simd::{
     LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16,
 };
-use rayflock_geom::{Ray, UserHit};
+use rayflock_geom::{Ray, RayTransform, UserHit};
 
 use crate::TraceStats;
 use crate::primitives::{PrimitiveTable, SlotKind};
@@ -27,6 +28,11 @@ pub(crate) struct Nearest {
 impl Nearest {
     /// Nothing yet.
     pub(crate) const NONE: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, rank: u32::MAX };
+
+    /// Whether there is nothing yet.
+    pub(crate) const fn is_none(&self) -> bool {
+        self.rank == u32::MAX
+    }
 
     /// Keeps the nearer of both, the lower rank when they are equally near.
     #[inline(always)]
@@ -67,8 +73,8 @@ pub(crate) struct TracePacket {
 }
 
 const NO_RAY: Ray = Ray {
-    origin: glam::Vec3::ZERO,
-    direction: glam::Vec3::Z,
+    origin: Vec3::ZERO,
+    direction: Vec3::Z,
     t_min: f32::INFINITY,
     t_max: f32::NEG_INFINITY,
     mask: 0,
@@ -107,8 +113,8 @@ impl TracePacket {
         let ray = Ray { t_max: ray.t_max.min(t_bound), ..*ray };
         if self.active == 0 {
             // Lanes without a ray must not stand in the way of a common axis.
-            let axis = ShearedRay::new(&ray).axes[2] as u8;
-            self.triangle_rays.major_axis = [axis; LANES];
+            let kz = ShearedRay::new(&ray).axes[2];
+            self.triangle_rays.major = [0, 1].map(|axis| if kz == axis { u16::MAX } else { 0 });
         }
         self.active |= 1 << lane;
         self.rays[lane] = ray;
@@ -215,7 +221,7 @@ impl TracePacket {
         &mut self,
         active: u64,
         rank: u32,
-        transform: Option<&rayflock_geom::RayTransform>,
+        transform: Option<&RayTransform>,
         answer: impl Fn(&[Ray], &mut [Option<UserHit>]),
     ) -> u64 {
         // Gather the active rays, in the primitive's own space.
@@ -265,5 +271,14 @@ pub(crate) fn direction_length(ray: &Ray) -> f32 {
 
 /// A distance enlarged for the rounding of length and product.
 pub(crate) fn widen_distance(distance: f32) -> f32 {
-    distance + distance.abs() * 1e-6 + f32::MIN_POSITIVE
+    if distance.is_finite() {
+        distance + distance.abs() * 1e-6 + f32::MIN_POSITIVE
+    } else {
+        distance
+    }
+}
+
+/// The direction of a ray at unit length, whatever its length was.
+pub(crate) fn unit_direction(ray: &Ray) -> Vec3 {
+    (ray.direction / ray.direction.abs().max_element()).normalize()
 }

@@ -1,6 +1,6 @@
 //! Transforms in one fixed order of operations, so that every engine gets the same bits.
 
-use glam::{Affine3A, DAffine3, DMat3, DVec3, Vec3};
+use glam::{Affine3A, DAffine3, DMat3, DVec3, Vec3, Vec3A};
 
 use crate::{Ray, Sphere};
 
@@ -20,7 +20,7 @@ pub fn transform_point(world_from_object: &Affine3A, point: Vec3) -> Vec3 {
 /// lengths; `None` for any other transform.
 pub fn similarity_scale(world_from_object: &Affine3A) -> Option<f32> {
     let m = &world_from_object.matrix3;
-    let squared = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.length_squared());
+    let squared = [m.x_axis, m.y_axis, m.z_axis].map(Vec3A::length_squared);
     let scale_squared = (squared[0] + squared[1] + squared[2]) / 3.0;
     let tolerance = SIMILARITY_TOLERANCE * scale_squared;
     let even = squared.iter().all(|length| (length - scale_squared).abs() <= tolerance);
@@ -56,7 +56,7 @@ impl RayTransform {
         let matrix = DMat3::from_cols(columns[0], columns[1], columns[2]);
         let translation = Vec3::from(world_from_object.translation).as_dvec3();
         let inverse = DAffine3 { matrix3: matrix, translation }.inverse();
-        let [x, y, z] = [inverse.x_axis, inverse.y_axis, inverse.z_axis].map(|a| a.as_vec3a());
+        let [x, y, z] = [inverse.x_axis, inverse.y_axis, inverse.z_axis].map(DVec3::as_vec3a);
         let object_from_world = Affine3A::from_cols(x, y, z, inverse.translation.as_vec3a());
         if !object_from_world.is_finite() {
             return None;

@@ -168,7 +168,7 @@ impl Mesh {
 /// are exact, so that thin triangles are not taken for degenerate ones.
 #[inline(always)]
 pub fn is_degenerate_triangle([v0, v1, v2]: [Vec3; 3]) -> bool {
-    let [v0, v1, v2] = [v0, v1, v2].map(|vertex| vertex.as_dvec3());
+    let [v0, v1, v2] = [v0, v1, v2].map(Vec3::as_dvec3);
     let normal = (v1 - v0).cross(v2 - v0);
     !normal.is_finite() || normal == DVec3::ZERO
 }

@@ -3,8 +3,13 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
+use crate::Aabb;
+
 /// Unit roundoff of `f32` arithmetic, `2^-24`.
 const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
+
+/// More than the length that a squared `f32` length can lose to underflow.
+const UNDERFLOW: f32 = 1e-22;
 
 /// A sphere. As a bound it holds all points within `radius` of `center`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -37,7 +42,22 @@ impl Sphere {
         let center = 0.5 * v0.min(v1).min(v2) + 0.5 * v0.max(v1).max(v2);
         let squared = |vertex: Vec3| (vertex - center).length_squared();
         let radius = squared(v0).max(squared(v1)).max(squared(v2)).sqrt();
-        Self { center, radius: radius * (1.0 + 8.0 * UNIT_ROUNDOFF) + f32::MIN_POSITIVE }
+        Self { center, radius: Self::enlarge(radius) }
+    }
+
+    /// A computed radius enlarged for the rounding of distances and for underflow.
+    #[inline(always)]
+    pub(crate) fn enlarge(radius: f32) -> f32 {
+        radius * (1.0 + 8.0 * UNIT_ROUNDOFF) + UNDERFLOW
+    }
+
+    /// A sphere around spheres, about the centre of the box around their centres. `None` without
+    /// spheres. Iterates twice.
+    pub fn around_spheres(spheres: impl Iterator<Item = Self> + Clone) -> Option<Self> {
+        let center = Aabb::around(spheres.clone().map(|sphere| sphere.center)).center();
+        let reach = |sphere: Self| (sphere.center - center).length() + sphere.radius;
+        let radius = spheres.map(reach).reduce(f32::max)?;
+        Some(Self { center, radius: Self::enlarge(radius) })
     }
 
     /// A sphere around both spheres.
@@ -54,8 +74,7 @@ impl Sphere {
         let center = self.center + offset * ((radius - self.radius) / distance);
         // The centre is rounded, so measure again from where it came to lie.
         let reach = |sphere: &Self| (sphere.center - center).length() + sphere.radius;
-        let radius = reach(self).max(reach(other)) * (1.0 + 8.0 * UNIT_ROUNDOFF);
-        Self { center, radius: radius + f32::MIN_POSITIVE }
+        Self { center, radius: Self::enlarge(reach(self).max(reach(other))) }
     }
 }
 
@@ -65,7 +84,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn point() -> impl Strategy<Value = Vec3> {
-        let exponent = -3..6_i32;
+        let exponent = prop_oneof![4 => -3..6_i32, 1 => -30..-18_i32];
         (prop::array::uniform3(-1.0..1.0_f32), exponent)
             .prop_map(|(p, e)| Vec3::from(p) * 10.0_f32.powi(e))
     }
@@ -80,6 +99,18 @@ mod tests {
             let sphere = Sphere::around_triangle(a, b, c);
             for vertex in [a, b, c] {
                 prop_assert!(holds(&sphere, vertex), "{vertex} not in {sphere:?}");
+            }
+        }
+
+        #[test]
+        fn spheres_lie_in_the_sphere_around_them(
+            spheres in prop::collection::vec((point(), 0.0..10.0_f32), 1..17),
+        ) {
+            let spheres = spheres.iter().map(|&(center, radius)| Sphere::new(center, radius));
+            let around = Sphere::around_spheres(spheres.clone()).unwrap();
+            for sphere in spheres {
+                let reach = (sphere.center.as_dvec3() - around.center.as_dvec3()).length();
+                prop_assert!(reach + f64::from(sphere.radius) <= f64::from(around.radius));
             }
         }
 

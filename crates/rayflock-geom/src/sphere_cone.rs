@@ -40,6 +40,12 @@ pub struct SphereCone {
 }
 
 impl SphereCone {
+    /// The cone around one ray, given by its origin and unit direction.
+    #[inline(always)]
+    pub fn around_ray(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin: Sphere::new(origin, 0.0), axis: direction, cos: 1.0, sin: ANGLE_ROUNDING }
+    }
+
     /// The cone around rays given by origins and unit directions, in two passes over `rays`.
     /// Without rays, a cone that starts in an empty sphere.
     pub fn around_rays(rays: impl Iterator<Item = (Vec3, Vec3)> + Clone) -> Self {
@@ -59,7 +65,7 @@ impl SphereCone {
             cos = cos.min(along);
             sin_squared = sin_squared.max((direction - along * axis).length_squared());
         }
-        let radius = enlarged_radius(reach_squared.sqrt());
+        let radius = if low == high { 0.0 } else { Sphere::enlarge(reach_squared.sqrt()) };
         Self::bounded(Sphere::new(center, radius), axis, cos, sin_squared.sqrt())
     }
 
@@ -99,10 +105,6 @@ impl SphereCone {
     const fn unbounded(origin: Sphere, axis: Vec3) -> Self {
         Self { origin, axis, cos: 0.0, sin: 0.0 }
     }
-}
-
-fn enlarged_radius(radius: f32) -> f32 {
-    if radius == 0.0 { 0.0 } else { radius * (1.0 + 8.0 * f32::EPSILON) + f32::MIN_POSITIVE }
 }
 
 #[cfg(test)]
@@ -152,6 +154,14 @@ mod tests {
             for ray in groups.into_iter().flatten() {
                 prop_assert!(holds(&parent, ray), "{ray:?} not in {parent:?}");
             }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_cone_of_one_ray_holds_it(origin in vector(100.0), direction in vector(1.0)) {
+            let ray = (origin, direction.normalize_or(Vec3::X));
+            prop_assert!(holds(&SphereCone::around_ray(ray.0, ray.1), ray));
         }
     }
 

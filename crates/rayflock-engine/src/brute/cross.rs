@@ -62,7 +62,7 @@ fn cross_triangles<S: Simd>(
             let Some(ray) = ray else { continue };
             let mut sheared = ShearedRay::new(ray);
             for block_idx in group.clone() {
-                if question == Question::Occluded && *nearest != Nearest::NONE {
+                if question == Question::Occluded && !nearest.is_none() {
                     break;
                 }
                 sheared.t_max = ray.t_max.min(nearest.t);
@@ -107,7 +107,7 @@ fn cross_others<S: Simd>(
 ) {
     let mut packet = TracePacket::EMPTY;
     for (lane, (ray, nearest)) in rays.iter().zip(nearest.iter()).enumerate() {
-        let answered = question == Question::Occluded && *nearest != Nearest::NONE;
+        let answered = question == Question::Occluded && !nearest.is_none();
         if let (Some(ray), false) = (ray, answered) {
             packet.set(lane, ray, nearest.t);
         }

@@ -10,7 +10,7 @@
 //! Tiles whose codes agree but for the last two bits share a parent, and so on upward.
 
 use rayflock_geom::simd::LANES;
-use rayflock_geom::{RayBatch, RayOrder};
+use rayflock_geom::{Ray, RayBatch, RayOrder, RayState};
 
 use super::sort_rays::RaySorter;
 
@@ -19,6 +19,12 @@ pub(super) const NO_RAY: u32 = u32::MAX;
 
 /// Pixels along the side of an image tile.
 const TILE_SIDE: usize = 4;
+
+/// The ray at a place, if there is one and it is active.
+pub(super) fn active_ray(batch: &RayBatch<'_>, ray_idx: u32) -> Option<Ray> {
+    let ray = (ray_idx != NO_RAY).then(|| batch.ray(ray_idx as usize))?;
+    (ray.state() == RayState::Active).then_some(ray)
+}
 
 /// Which ray lies where.
 #[derive(Debug, Default)]
@@ -63,6 +69,11 @@ impl Arrangement {
         }
         let depends_on_rays = matches!(order, RayOrder::Groups(_) | RayOrder::Unordered);
         self.made_for = (!depends_on_rays).then_some(key);
+    }
+
+    /// Positions in the batch of a tile's rays.
+    pub(super) fn tile(&self, tile_idx: usize) -> &[u32] {
+        &self.ray_idx[tile_idx * LANES..(tile_idx + 1) * LANES]
     }
 
     /// Sixteen rays a tile, in the given order.

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::arrange::{Arrangement, NO_RAY};
 use super::ray_tree::{RayNode, RayTree};
 use crate::TraceStats;
-use crate::packet::{direction_length, widen_distance};
+use crate::packet::{direction_length, unit_direction, widen_distance};
 
 /// Tiles that one task bounds at least.
 const TILES_PER_TASK: usize = 256;
@@ -90,33 +90,39 @@ fn bound_tile(
                 active[count] = (ray.origin, unit_direction(&ray));
                 count += 1;
                 backward |= ray.t_min < 0.0;
-                reach = including(reach, &ray, t_bound(ray_idx as usize));
+                let t_max = ray.t_max.min(t_bound(ray_idx as usize));
+                reach = union(reach, reach_of_ray(&Ray { t_max, ..ray }));
             }
             RayState::Inactive => {}
             RayState::Invalid => invalid_rays += 1,
         }
     }
-    let mut cone = SphereCone::around_rays(active[..count].iter().copied());
-    if backward {
-        // The cone says nothing about what lies behind the origins.
-        (cone.cos, cone.sin) = (0.0, 0.0);
-    }
+    let cone = SphereCone::around_rays(active[..count].iter().copied());
+    let cone = forward_only(cone, backward);
     (RayNode { cone, reach, ..RayNode::EMPTY }, invalid_rays)
 }
 
-/// A reach that also holds the distances of `ray`'s interval, enlarged for rounding.
-fn including(reach: Reach, ray: &Ray, t_bound: f32) -> Reach {
-    let length = direction_length(ray);
-    let t_max = ray.t_max.min(t_bound);
-    let near = if ray.t_min > 0.0 { ray.t_min * length * (1.0 - 1e-6) } else { 0.0 };
-    let farthest = if ray.t_min < 0.0 { t_max.max(-ray.t_min) } else { t_max };
-    let far = widen_distance(farthest * length);
-    Reach { near: reach.near.min(near), far: reach.far.max(far) }
+/// Bounds a single active ray.
+pub(super) fn bound_ray(ray: &Ray) -> (SphereCone, Reach) {
+    let cone = SphereCone::around_ray(ray.origin, unit_direction(ray));
+    (forward_only(cone, ray.t_min < 0.0), reach_of_ray(ray))
 }
 
-/// The direction at unit length, whatever its length was.
-fn unit_direction(ray: &Ray) -> Vec3 {
-    (ray.direction / ray.direction.abs().max_element()).normalize()
+/// A cone that says nothing about what lies behind the origins, if a ray looks `backward` too.
+fn forward_only(cone: SphereCone, backward: bool) -> SphereCone {
+    if backward { SphereCone { cos: 0.0, sin: 0.0, ..cone } } else { cone }
+}
+
+/// The distances of a ray's interval, enlarged for rounding.
+fn reach_of_ray(ray: &Ray) -> Reach {
+    let length = direction_length(ray);
+    let near = if ray.t_min > 0.0 { ray.t_min * length * (1.0 - 1e-6) } else { 0.0 };
+    let farthest = if ray.t_min < 0.0 { ray.t_max.max(-ray.t_min) } else { ray.t_max };
+    Reach { near, far: widen_distance(farthest * length) }
+}
+
+fn union(a: Reach, b: Reach) -> Reach {
+    Reach { near: a.near.min(b.near), far: a.far.max(b.far) }
 }
 
 /// Makes a node of each run of nodes below whose codes agree above `shift`.
@@ -141,8 +147,7 @@ fn bound_node(node: &mut RayNode, below: &[RayNode]) {
     for child in below[node.children()].iter().filter(|child| child.is_active()) {
         cones[count] = child.cone;
         count += 1;
-        node.reach.near = node.reach.near.min(child.reach.near);
-        node.reach.far = node.reach.far.max(child.reach.far);
+        node.reach = union(node.reach, child.reach);
     }
     node.cone = SphereCone::around_cones(&cones[..count]);
 }

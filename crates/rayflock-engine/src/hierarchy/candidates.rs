@@ -79,9 +79,27 @@ impl Candidates {
         (spheres, u32x16::from_slice(simd, &self.slots[place]))
     }
 
-    /// Slots with their distance bounds.
-    pub(super) fn iter(&self) -> impl Iterator<Item = (u32, f32)> + '_ {
-        self.slots[..self.len].iter().copied().zip(self.nearest[..self.len].iter().copied())
+    /// Writes the candidates into `sorted`, nearest first, each as `distance bits << 32 | slot`.
+    pub(super) fn sort_by_distance(&self, sorted: &mut Vec<u64>) {
+        // Bits of distances that are not negative sort as the distances do; max takes NaN to 0.
+        let key = |(&slot, &nearest): (&u32, &f32)| {
+            (u64::from(nearest.max(0.0).to_bits()) << 32) | u64::from(slot)
+        };
+        sorted.clear();
+        sorted.extend(self.slots[..self.len].iter().zip(&self.nearest[..self.len]).map(key));
+        sorted.sort_unstable();
+    }
+
+    /// The slot of a sorted candidate.
+    #[inline(always)]
+    pub(super) const fn slot(key: u64) -> u32 {
+        key as u32
+    }
+
+    /// The distance bound of a sorted candidate.
+    #[inline(always)]
+    pub(super) const fn distance(key: u64) -> f32 {
+        f32::from_bits((key >> 32) as u32)
     }
 
     /// Bytes held.

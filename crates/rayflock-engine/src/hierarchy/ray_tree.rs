@@ -5,6 +5,9 @@ use std::ops::Range;
 use rayflock_geom::SphereCone;
 use rayflock_geom::simd::cone_sphere::Reach;
 
+/// Cones beyond this half angle (37 degrees) are not worth asking.
+const WIDEST_COS: f32 = 0.8;
+
 /// Levels from the tiles (level 0) upward; each node's children are consecutive nodes of the
 /// level below.
 #[derive(Debug, Default)]
@@ -32,6 +35,11 @@ impl RayNode {
     /// Whether any ray can hit anything.
     pub(super) fn is_active(&self) -> bool {
         self.reach.far > f32::NEG_INFINITY
+    }
+
+    /// Whether the cone is so wide that it would keep most of what lies ahead.
+    pub(super) fn is_wide(&self) -> bool {
+        self.cone.cos < WIDEST_COS
     }
 
     /// The children in the level below.

@@ -1,9 +1,9 @@
 //! Traces the sixteen rays of a tile against its candidates, nearest first.
 
+use rayflock_geom::RayBatch;
 use rayflock_geom::simd::Simd;
-use rayflock_geom::{RayBatch, RayState};
 
-use super::arrange::NO_RAY;
+use super::arrange::active_ray;
 use super::candidates::Candidates;
 use crate::TraceStats;
 use crate::packet::{Nearest, Question, TracePacket};
@@ -34,11 +34,8 @@ impl TileTracer {
     ) {
         self.packet.clear();
         for (lane, &ray_idx) in ray_idx.iter().enumerate() {
-            if ray_idx != NO_RAY {
-                let ray = batch.ray(ray_idx as usize);
-                if ray.state() == RayState::Active {
-                    self.packet.set(lane, &ray, t_bound(ray_idx as usize));
-                }
+            if let Some(ray) = active_ray(batch, ray_idx) {
+                self.packet.set(lane, &ray, t_bound(ray_idx as usize));
             }
         }
     }
@@ -53,21 +50,13 @@ impl TileTracer {
         question: Question,
         stats: &mut TraceStats,
     ) {
-        // Bits of distances that are not negative sort as the distances do; max takes NaN to 0.
-        let key = |(slot, nearest): (u32, f32)| {
-            (u64::from(nearest.max(0.0).to_bits()) << 32) | u64::from(slot)
-        };
-        self.by_distance.clear();
-        self.by_distance.extend(candidates.iter().map(key));
-        self.by_distance.sort_unstable();
-
+        candidates.sort_by_distance(&mut self.by_distance);
         let mut far = self.packet.far_distance();
         for &key in &self.by_distance {
-            let (nearest, slot) = (f32::from_bits((key >> 32) as u32), key as u32);
-            if nearest > far {
+            if Candidates::distance(key) > far {
                 break;
             }
-            if self.packet.test(simd, table, slot, question, stats) {
+            if self.packet.test(simd, table, Candidates::slot(key), question, stats) {
                 far = self.packet.far_distance();
             }
         }

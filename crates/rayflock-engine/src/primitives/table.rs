@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glam::Vec3;
 use rayflock_geom::simd::cone_sphere::{SLACK, SphereBlock};
 use rayflock_geom::simd::ray_triangle::TriangleBlock;
 use rayflock_geom::simd::{LANES, Lanes};
@@ -29,6 +30,8 @@ pub(crate) struct PrimitiveTable {
     pub(super) users: Vec<UserSlot>,
     /// Bounding spheres of all slots.
     pub(super) bounds: Vec<SphereBlock>,
+    /// One sphere around the bounding spheres of each block, sixteen blocks an entry.
+    pub(super) block_bounds: Vec<SphereBlock>,
     /// Ranks of all slots.
     pub(super) ranks: Vec<[u32; LANES]>,
     /// Object masks of all slots; 0 where there is nothing to hit.
@@ -56,7 +59,7 @@ pub(super) struct Ignored {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum SlotKind<'a> {
     /// A triangle, by its corners.
-    Triangle([glam::Vec3; 3]),
+    Triangle([Vec3; 3]),
     /// A sphere.
     Sphere(&'a Sphere),
     /// A user primitive.
@@ -75,8 +78,8 @@ impl PrimitiveTable {
         if layout_differs {
             self.resize();
         }
-        let mut rewritten_count = 0;
-        for idx in 0..self.layout.spans.len() {
+        let (mut rewritten_count, object_count) = (0, geometry.objects().len());
+        for idx in 0..object_count {
             let object = &geometry.objects()[idx];
             let unchanged = changes.get(object.id) == ObjectChange::Unchanged
                 && before.object(object.id).is_some_and(|before| is_same(before, object));
@@ -84,6 +87,9 @@ impl PrimitiveTable {
                 self.write_object(idx);
                 rewritten_count += object.shape.prim_count();
             }
+        }
+        if rewritten_count > 0 {
+            self.bound_blocks();
         }
         self.slack = self.widest_slack();
         let ignored = self.ignored.iter();
@@ -105,6 +111,8 @@ impl PrimitiveTable {
         self.users.clear();
         self.bounds.clear();
         self.bounds.resize(block_count, SphereBlock::EMPTY);
+        self.block_bounds.clear();
+        self.block_bounds.resize(block_count.div_ceil(LANES), SphereBlock::EMPTY);
         self.ranks.resize(block_count, [u32::MAX; LANES]);
         self.masks.clear();
         self.masks.resize(block_count, [0; LANES]);
@@ -135,6 +143,11 @@ impl PrimitiveTable {
     /// Bounding spheres of a block.
     pub(crate) fn bounds(&self, block_idx: usize) -> &SphereBlock {
         &self.bounds[block_idx]
+    }
+
+    /// Spheres around whole blocks: entry `idx` bounds the sixteen blocks from `16 * idx` on.
+    pub(crate) fn block_bounds(&self) -> &[SphereBlock] {
+        &self.block_bounds
     }
 
     /// Object masks of a block; 0 for lanes that hold nothing to hit.
@@ -172,13 +185,26 @@ impl PrimitiveTable {
         })
     }
 
+    /// Whether a slot holds a triangle.
+    #[inline(always)]
+    pub(crate) fn is_triangle(&self, slot: u32) -> bool {
+        (slot as usize) < self.layout.begin.spheres
+    }
+
+    /// The corners of a slot that holds a triangle.
+    #[inline(always)]
+    pub(crate) fn triangle(&self, slot: u32) -> [Vec3; 3] {
+        self.corners[slot as usize / LANES].get(slot as usize % LANES)
+    }
+
     /// What a slot holds.
     #[inline(always)]
     pub(crate) fn kind(&self, slot: u32) -> SlotKind<'_> {
+        if self.is_triangle(slot) {
+            return SlotKind::Triangle(self.triangle(slot));
+        }
         let slot = slot as usize;
-        if slot < self.layout.begin.spheres {
-            SlotKind::Triangle(self.corners[slot / LANES].get(slot % LANES))
-        } else if slot < self.layout.begin.users {
+        if slot < self.layout.begin.users {
             SlotKind::Sphere(&self.spheres[slot - self.layout.begin.spheres])
         } else {
             SlotKind::User(&self.users[slot - self.layout.begin.users])
@@ -206,7 +232,7 @@ impl PrimitiveTable {
         self.corners.capacity() * size_of::<TriangleBlock>()
             + self.spheres.capacity() * size_of::<Sphere>()
             + self.users.capacity() * size_of::<UserSlot>()
-            + self.bounds.capacity() * size_of::<SphereBlock>()
+            + (self.bounds.capacity() + self.block_bounds.capacity()) * size_of::<SphereBlock>()
             + (self.ranks.capacity() + self.masks.capacity()) * size_of::<Lanes>()
             + self.layout.spans.capacity() * size_of::<ObjectSpan>()
     }

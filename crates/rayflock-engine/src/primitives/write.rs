@@ -55,8 +55,8 @@ impl PrimitiveTable {
             .enumerate()
             .with_min_len(BLOCKS_PER_TASK)
             .map(|(idx, (((corners, bounds), ranks), masks))| {
-                writer
-                    .write_block(blocks.start + idx, BlockColumns { corners, bounds, ranks, masks })
+                let mut columns = BlockColumns { corners, bounds, ranks, masks };
+                writer.write_block(blocks.start + idx, &mut columns)
             })
             .reduce(Ignored::default, |a, b| a + b)
     }
@@ -122,12 +122,29 @@ impl PrimitiveTable {
         ignored
     }
 
+    /// Writes the sphere around each block of slots.
+    pub(super) fn bound_blocks(&mut self) {
+        let groups = self.block_bounds.par_iter_mut().zip(self.bounds.par_chunks(LANES));
+        groups.with_min_len(BLOCKS_PER_TASK / LANES).for_each(|(group, blocks)| {
+            for (lane, block) in blocks.iter().enumerate() {
+                group.set(lane, &sphere_around_block(block));
+            }
+        });
+    }
+
     fn write_slot(&mut self, slot: usize, rank: usize, bound: &Sphere, mask: u32) {
         let (block, lane) = (slot / LANES, slot % LANES);
         self.bounds[block].set(lane, bound);
         self.ranks[block][lane] = rank as u32;
         self.masks[block][lane] = mask;
     }
+}
+
+/// A sphere around the bounding spheres of a block.
+fn sphere_around_block(block: &SphereBlock) -> Sphere {
+    let sphere = |lane: usize| Sphere::new(block.center_of(lane), block.radius[lane]);
+    let touchable = (0..LANES).map(sphere).filter(|sphere| sphere.radius >= 0.0);
+    Sphere::around_spheres(touchable).unwrap_or(UNTOUCHABLE)
 }
 
 /// Writes the triangles of one object, block by block.
@@ -149,7 +166,7 @@ struct BlockColumns<'a> {
 
 impl TriangleWriter<'_> {
     /// Writes the lanes of a block that belong to the object.
-    fn write_block(&self, block_idx: usize, columns: BlockColumns<'_>) -> Ignored {
+    fn write_block(&self, block_idx: usize, columns: &mut BlockColumns<'_>) -> Ignored {
         let mut ignored = Ignored::default();
         let first_slot = block_idx * LANES;
         let from = self.slots.start.max(first_slot);

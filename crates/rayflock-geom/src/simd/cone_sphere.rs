@@ -4,6 +4,8 @@
 //! the rounding of this test and of the accepting tests behind it, so a primitive that any ray of
 //! the cone hits is never rejected.
 
+use glam::Vec3;
+
 use super::{Lanes, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 use crate::{Sphere, SphereCone};
 
@@ -33,6 +35,12 @@ impl SphereBlock {
             column[lane] = coordinate;
         }
         self.radius[lane] = sphere.radius;
+    }
+
+    /// The centre of one lane.
+    #[inline(always)]
+    pub fn center_of(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.center[0][lane], self.center[1][lane], self.center[2][lane])
     }
 
     /// The sixteen spheres as vectors.
@@ -105,7 +113,6 @@ pub fn touches<S: Simd>(
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
     use proptest::prelude::*;
 
     use super::super::{SimdLevel, SimdMask, dispatch};

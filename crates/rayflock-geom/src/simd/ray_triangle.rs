@@ -111,7 +111,8 @@ impl TriangleBlock {
     /// The triangle of one lane.
     #[inline(always)]
     pub fn get(&self, lane: usize) -> [Vec3; 3] {
-        self.corners.map(|axes| Vec3::from_array(axes.map(|column| column[lane])))
+        let corner = |axes: &[Lanes; 3]| Vec3::new(axes[0][lane], axes[1][lane], axes[2][lane]);
+        [corner(&self.corners[0]), corner(&self.corners[1]), corner(&self.corners[2])]
     }
 }
 
@@ -123,8 +124,8 @@ pub struct RayPacket {
     pub origin: [Lanes; 3],
     /// sx, sy and `d[kz]`.
     pub shear: [Lanes; 3],
-    /// The axis kz of each ray.
-    pub major_axis: [u8; LANES],
+    /// Which rays have the axis kz = x, and which y, one bit a lane.
+    pub major: [u16; 2],
     /// Smallest accepted `t`.
     pub t_min: Lanes,
     /// Largest accepted `t`.
@@ -136,7 +137,7 @@ impl RayPacket {
     pub const EMPTY: Self = Self {
         origin: [[0.0; LANES]; 3],
         shear: [[0.0; LANES], [0.0; LANES], [1.0; LANES]],
-        major_axis: [2; LANES],
+        major: [0; 2],
         t_min: [f32::INFINITY; LANES],
         t_max: [f32::NEG_INFINITY; LANES],
     };
@@ -150,16 +151,22 @@ impl RayPacket {
         for (column, factor) in self.shear.iter_mut().zip(ray.shear) {
             column[lane] = factor;
         }
-        self.major_axis[lane] = ray.axes[2] as u8;
+        for (axis, bits) in self.major.iter_mut().enumerate() {
+            *bits = (*bits & !(1 << lane)) | (u16::from(ray.axes[2] == axis) << lane);
+        }
         self.t_min[lane] = ray.t_min;
         self.t_max[lane] = ray.t_max;
     }
 
     /// The axis kz that all rays share, if they do.
     #[inline(always)]
-    pub fn common_axis(&self) -> Option<usize> {
-        let first = self.major_axis[0];
-        (self.major_axis == [first; LANES]).then_some(first as usize)
+    fn common_axis(&self) -> Option<usize> {
+        match self.major {
+            [u16::MAX, _] => Some(0),
+            [_, u16::MAX] => Some(1),
+            [0, 0] => Some(2),
+            _ => None,
+        }
     }
 }
 
@@ -190,8 +197,9 @@ pub fn intersect_block<S: Simd>(
     };
     let [kx, ky, kz] = ray.axes;
     let corner = |i: usize| [relative(i, kx), relative(i, ky), relative(i, kz)];
-    let shear = ray.shear.map(|factor| f32x16::splat(simd, factor));
-    let interval = [f32x16::splat(simd, ray.t_min), f32x16::splat(simd, ray.t_max)];
+    let splat = |value: f32| f32x16::splat(simd, value);
+    let shear = [splat(ray.shear[0]), splat(ray.shear[1]), splat(ray.shear[2])];
+    let interval = [splat(ray.t_min), splat(ray.t_max)];
     intersect_sheared(simd, [corner(0), corner(1), corner(2)], shear, interval, active)
 }
 
@@ -205,13 +213,19 @@ pub fn intersect_packet<S: Simd>(
 ) -> LaneHits<S> {
     let load = |lanes: &Lanes| f32x16::from_slice(simd, lanes);
     let origin = [load(&packet.origin[0]), load(&packet.origin[1]), load(&packet.origin[2])];
-    let relative = |corner: Vec3, axis: usize| f32x16::splat(simd, corner[axis]) - origin[axis];
-    let relative = corners.map(|p| [relative(p, 0), relative(p, 1), relative(p, 2)]);
-    let permuted = if let Some(kz) = packet.common_axis() {
-        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        relative.map(|p| [p[kx], p[ky], p[kz]])
-    } else {
-        permute_lanes(simd, packet, relative)
+    let splat = |value: f32| f32x16::splat(simd, value);
+    let relative = |corner: &Vec3| {
+        [splat(corner.x) - origin[0], splat(corner.y) - origin[1], splat(corner.z) - origin[2]]
+    };
+    let [a, b, c] = [relative(&corners[0]), relative(&corners[1]), relative(&corners[2])];
+    let permuted = match packet.common_axis() {
+        Some(0) => [[a[1], a[2], a[0]], [b[1], b[2], b[0]], [c[1], c[2], c[0]]],
+        Some(1) => [[a[2], a[0], a[1]], [b[2], b[0], b[1]], [c[2], c[0], c[1]]],
+        Some(_) => [a, b, c],
+        None => {
+            let permute = |p| permute_lanes(simd, packet.major, p);
+            [permute(a), permute(b), permute(c)]
+        }
     };
     let shear = [load(&packet.shear[0]), load(&packet.shear[1]), load(&packet.shear[2])];
     let interval = [load(&packet.t_min), load(&packet.t_max)];
@@ -220,21 +234,11 @@ pub fn intersect_packet<S: Simd>(
 
 /// Brings each lane's coordinates into the order kx, ky, kz of its own ray.
 #[inline(always)]
-fn permute_lanes<S: Simd>(
-    simd: S,
-    packet: &RayPacket,
-    relative: [[f32x16<S>; 3]; 3],
-) -> [[f32x16<S>; 3]; 3] {
-    let bits = |axis: u8| {
-        let lanes = packet.major_axis.iter().enumerate();
-        lanes.fold(0, |bits, (lane, &major)| bits | (u64::from(major == axis) << lane))
-    };
-    let major_x = mask32x16::from_bitmask(simd, bits(0));
-    let major_y = mask32x16::from_bitmask(simd, bits(1));
-    relative.map(|[x, y, z]| {
-        let pick = |for_x, for_y, for_z| major_x.select(for_x, major_y.select(for_y, for_z));
-        [pick(y, z, x), pick(z, x, y), pick(x, y, z)]
-    })
+fn permute_lanes<S: Simd>(simd: S, major: [u16; 2], [x, y, z]: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
+    let major_x = mask32x16::from_bitmask(simd, major[0].into());
+    let major_y = mask32x16::from_bitmask(simd, major[1].into());
+    let pick = |for_x, for_y, for_z| major_x.select(for_x, major_y.select(for_y, for_z));
+    [pick(y, z, x), pick(z, x, y), pick(x, y, z)]
 }
 
 /// The test itself, on corners relative to the origin in the order kx, ky, kz.
@@ -283,7 +287,7 @@ fn intersect_sheared<S: Simd>(
         }
     }
     let within = hits.t.simd_ge(t_min) & hits.t.simd_le(t_max) & is_finite(simd, hits.t);
-    hits.accepted = hits.accepted & within;
+    hits.accepted &= within;
     hits
 }
 

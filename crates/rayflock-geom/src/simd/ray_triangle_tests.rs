@@ -21,8 +21,12 @@ fn by_block(level: SimdLevel, ray: &Ray, corners: [Vec3; 3], lane: usize) -> Ans
 fn by_packet(level: SimdLevel, ray: &Ray, corners: [Vec3; 3], lane: usize, mixed: bool) -> Answer {
     let sheared = ShearedRay::new(ray);
     let mut packet = RayPacket::EMPTY;
-    packet.major_axis = [if mixed { 1 } else { sheared.axes[2] as u8 }; 16];
-    packet.major_axis[(lane + 1) % 16] = if mixed { 0 } else { packet.major_axis[0] };
+    for other in 0..16 {
+        packet.set(other, &ShearedRay { t_max: f32::NEG_INFINITY, ..sheared });
+    }
+    if mixed {
+        packet.major = [0x00f0, 0x0f00];
+    }
     packet.set(lane, &sheared);
     dispatch!(level.level(), simd => {
         let active = mask32x16::splat(simd, true);
