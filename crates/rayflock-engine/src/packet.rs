@@ -139,14 +139,11 @@ impl TracePacket {
         let mut far = f32::NEG_INFINITY;
         for lane in 0..LANES {
             let t_max = self.triangle_rays.t_max[lane].min(self.t[lane]);
-            // Behind the origin, the farthest hits are the nearest ones.
-            let t_min = self.triangle_rays.t_min[lane];
-            let farthest = if t_min < 0.0 { t_max.max(-t_min) } else { t_max };
-            let distance = farthest * self.lengths[lane];
+            let distance = far_distance(self.triangle_rays.t_min[lane], t_max, self.lengths[lane]);
             let counts = self.active & (1 << lane) != 0;
             far = if counts { far.max(distance) } else { far };
         }
-        widen_distance(far)
+        far
     }
 
     /// Tests the primitive in `slot` against all rays. Returns whether it was hit at all.
@@ -269,13 +266,14 @@ pub(crate) fn direction_length(ray: &Ray) -> f32 {
     (ray.direction.as_dvec3().length() as f32).min(f32::MAX)
 }
 
-/// A distance enlarged for the rounding of length and product.
-pub(crate) fn widen_distance(distance: f32) -> f32 {
-    if distance.is_finite() {
-        distance + distance.abs() * 1e-6 + f32::MIN_POSITIVE
-    } else {
-        distance
-    }
+/// The distance beyond which a ray accepts no hit, enlarged for the rounding of length and
+/// product. Behind the origin, the farthest hits are the nearest ones.
+#[inline(always)]
+pub(crate) fn far_distance(t_min: f32, t_max: f32, length: f32) -> f32 {
+    let farthest = if t_min < 0.0 { t_max.max(-t_min) } else { t_max };
+    let distance = farthest * length;
+    let enlarged = distance + distance.abs() * 1e-6 + f32::MIN_POSITIVE;
+    if distance.is_finite() { enlarged } else { distance }
 }
 
 /// The direction of a ray at unit length, whatever its length was.

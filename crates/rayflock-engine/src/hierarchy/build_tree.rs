@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::arrange::{Arrangement, NO_RAY};
 use super::ray_tree::{RayNode, RayTree};
 use crate::TraceStats;
-use crate::packet::{direction_length, unit_direction, widen_distance};
+use crate::packet::{direction_length, far_distance, unit_direction};
 
 /// Tiles that one task bounds at least.
 const TILES_PER_TASK: usize = 256;
@@ -117,8 +117,7 @@ fn forward_only(cone: SphereCone, backward: bool) -> SphereCone {
 fn reach_of_ray(ray: &Ray) -> Reach {
     let length = direction_length(ray);
     let near = if ray.t_min > 0.0 { ray.t_min * length * (1.0 - 1e-6) } else { 0.0 };
-    let farthest = if ray.t_min < 0.0 { ray.t_max.max(-ray.t_min) } else { ray.t_max };
-    Reach { near, far: widen_distance(farthest * length) }
+    Reach { near, far: far_distance(ray.t_min, ray.t_max, length) }
 }
 
 fn union(a: Reach, b: Reach) -> Reach {

@@ -6,7 +6,7 @@ use rayflock_geom::simd::{LANES, Simd, SimdBase, SimdMask, mask32x16, u32x16};
 
 use super::candidates::Candidates;
 use crate::TraceStats;
-use crate::packet::{Nearest, Question, TracePacket, direction_length, widen_distance};
+use crate::packet::{Nearest, Question, TracePacket, direction_length, far_distance};
 use crate::primitives::PrimitiveTable;
 
 /// A ray at work.
@@ -57,7 +57,7 @@ impl RayTracer {
         let mut nearest = Nearest::NONE;
         let mut next = 0;
         while next < self.by_distance.len() {
-            let far = widen_distance(nearest.t.min(ray.t_max) * length);
+            let far = far_distance(ray.t_min, nearest.t.min(ray.t_max), length);
             let answered = question == Question::Occluded && !nearest.is_none();
             if answered || Candidates::distance(self.by_distance[next]) > far {
                 break;
