@@ -50,8 +50,9 @@ impl Input {
 
     fn file(name: &str) -> Result<Self> {
         let path = Path::new(name);
+        let is_pattern = name.contains(['*', '?']) && !path.exists();
         ensure!(
-            !path.is_dir() && !(name.contains(['*', '?']) && !path.exists()),
+            !path.is_dir() && !is_pattern,
             "{name}: found a folder or a pattern, expected one file or {BUILTIN}NAME; sequences \
              of files cannot be read yet"
         );

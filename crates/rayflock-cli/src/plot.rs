@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use plotters::coord::types::RangedCoordf64;
+use plotters::coord::types::{RangedCoordf64, RangedCoordu32};
 use plotters::prelude::*;
 
 use crate::output::atomic;
@@ -69,7 +69,7 @@ fn render_ms(record: &FrameRecord) -> f64 {
     record.trace_ms + record.shade_ms
 }
 
-type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordu32, RangedCoordf64>>;
 
 fn draw(stats: &Stats) -> Result<String> {
     let frames = &stats.frames;
@@ -85,10 +85,7 @@ fn draw(stats: &Stats) -> Result<String> {
         .margin(16)
         .x_label_area_size(44)
         .y_label_area_size(72)
-        .build_cartesian_2d(
-            f64::from(first)..f64::from(last.max(first + 1)),
-            0.0..slowest * 1.15,
-        )?;
+        .build_cartesian_2d(first..last.max(first.saturating_add(1)), 0.0..slowest * 1.15)?;
     draw_axes(&mut chart)?;
     draw_series(&mut chart, frames, "render: trace and shade", RENDER_COLOR, render_ms)?;
     draw_series(&mut chart, frames, "update: geometry of the frame", UPDATE_COLOR, update_ms)?;
@@ -104,7 +101,6 @@ fn draw_axes(chart: &mut Chart<'_, '_>) -> Result<()> {
         .configure_mesh()
         .x_desc("frame")
         .y_desc("time per frame (ms)")
-        .x_label_formatter(&|frame| format!("{frame:.0}"))
         .axis_desc_style(("sans-serif", 15))
         .label_style(("sans-serif", 13))
         .bold_line_style(BLACK.mix(0.1))
@@ -120,7 +116,7 @@ fn draw_series(
     color: RGBColor,
     milliseconds: fn(&FrameRecord) -> f64,
 ) -> Result<()> {
-    let points = frames.iter().map(|record| (f64::from(record.frame), milliseconds(record)));
+    let points = frames.iter().map(|record| (record.frame, milliseconds(record)));
     // A line through one frame has no length; a dot is seen.
     if frames.len() == 1 {
         chart.draw_series(points.clone().map(|point| Circle::new(point, 4, color.filled())))?;
@@ -147,7 +143,7 @@ fn draw_legend<'a, 'b: 'a>(chart: &mut Chart<'a, 'b>) -> Result<()> {
 fn title(stats: &Stats) -> String {
     let Stats { input, engine, threads, size, .. } = stats;
     let plural = if *threads == 1 { "" } else { "s" };
-    format!("{input}: {engine}, {threads} thread{plural}, {size}")
+    format!("Update and render time: {input}, {engine}, {threads} thread{plural}, {size}")
 }
 
 /// The graph and its summary as a page that needs nothing else.

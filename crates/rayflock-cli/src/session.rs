@@ -47,27 +47,22 @@ impl Session {
     ) -> Result<(), Failure> {
         let frames = self.plan.frames;
         let missing: Vec<u32> = frames.iter().filter(|&f| journal.get(f).is_none()).collect();
-        let mut done_count = frames.count() - missing.len() as u64;
+        let done_count = frames.count() - missing.len() as u64;
         let progress = Progress::new(&self.plan.input.name, frames.count(), done_count);
         let mut ignored_before = false;
-        for frame in missing {
+        for (done_count, frame) in (done_count..).zip(missing) {
             if interrupt.is_raised() {
                 progress.finish();
-                return Err(Failure::Interrupted(format!(
-                    "stopped after {done_count} of {} frames; the same command with --resume goes on",
-                    frames.count()
-                )));
+                return Err(stopped(done_count, frames.count()));
             }
             let record = self.render_frame(frame)?;
             if record.ignored > 0 && !ignored_before {
                 ignored_before = true;
                 progress.say(format_args!("warning: {}", ignored_text(&self.plan, &record)));
             }
-            let path = names.path(frame);
-            let format = self.plan.target.frame_format();
+            let (path, format) = (names.path(frame), self.plan.target.frame_format());
             picture::write(&path, format, &self.film, self.plan.look).blame_output()?;
             journal.add(record).blame_output()?;
-            done_count += 1;
             progress.advance();
         }
         progress.finish();
@@ -96,6 +91,12 @@ impl Session {
     }
 }
 
+fn stopped(done_count: u64, frame_count: u64) -> Failure {
+    Failure::Interrupted(format!(
+        "stopped after {done_count} of {frame_count} frames; the same command with --resume goes on"
+    ))
+}
+
 struct Times {
     evaluate_ms: f64,
     update_ms: f64,
@@ -121,8 +122,8 @@ fn record(
         triangles: commit.prim_count as u64,
         evaluate_ms: times.evaluate_ms,
         update_ms: times.update_ms,
-        trace_ms: 1e3 * stats.trace_seconds,
-        shade_ms: 1e3 * stats.shade_seconds,
+        trace_ms: milliseconds(stats.trace_seconds),
+        shade_ms: milliseconds(stats.shade_seconds),
         total_ms: times.total_ms,
         rays,
         cone_tests: stats.trace.cone_tests,
@@ -142,5 +143,10 @@ fn ignored_text(plan: &RenderPlan, record: &FrameRecord) -> String {
 }
 
 fn milliseconds_since(start: Instant) -> f64 {
-    1e3 * start.elapsed().as_secs_f64()
+    milliseconds(start.elapsed().as_secs_f64())
+}
+
+/// To the microsecond: further digits are noise.
+fn milliseconds(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e3
 }

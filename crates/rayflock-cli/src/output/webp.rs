@@ -29,11 +29,15 @@ pub(super) fn write(path: &Path, reel: &Reel<'_>) -> Result<()> {
         ..EncoderOptions::default()
     };
     let dimensions = (reel.size.width, reel.size.height);
-    let mut encoder = Encoder::new_with_options(dimensions, options).map_err(explain)?;
+    let mut encoder =
+        Encoder::new_with_options(dimensions, options).map_err(|error| explain(&error))?;
     for (idx, frame) in reel.frames.iter().enumerate() {
-        encoder.add_frame(&reel.load(frame)?, timestamp(reel, idx)?).map_err(explain)?;
+        encoder
+            .add_frame(&reel.load(frame)?, timestamp(reel, idx)?)
+            .map_err(|error| explain(&error))?;
     }
-    let film = encoder.finalize(timestamp(reel, reel.frames.len())?).map_err(explain)?;
+    let film =
+        encoder.finalize(timestamp(reel, reel.frames.len())?).map_err(|error| explain(&error))?;
     Ok(fs::write(path, &*film)?)
 }
 
@@ -41,6 +45,6 @@ fn timestamp(reel: &Reel<'_>, idx: usize) -> Result<i32> {
     Ok(i32::try_from(reel.start(idx, CLOCK_RATE))?)
 }
 
-fn explain(error: webp_animation::Error) -> anyhow::Error {
+fn explain(error: &webp_animation::Error) -> anyhow::Error {
     anyhow!("the WebP encoder failed: {error:?}")
 }

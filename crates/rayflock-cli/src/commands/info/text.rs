@@ -78,15 +78,18 @@ fn bounds(report: &Report) -> String {
 
 fn cameras(report: &Report) -> String {
     let names = report.cameras.iter().map(|c| format!("\"{}\" ({})", c.name, c.projection));
-    joined(names.collect(), "none: the whole motion is framed")
+    joined(&names.collect::<Vec<_>>(), "none: the whole motion is framed")
 }
 
 fn lights(report: &Report) -> String {
     let names = report.lights.iter().map(|light| format!("\"{}\" ({})", light.name, light.kind));
-    joined(names.collect(), "none: a key light and a sky are added, unless surfaces emit")
+    joined(
+        &names.collect::<Vec<_>>(),
+        "none: a key light and a sky are added, unless surfaces emit",
+    )
 }
 
-fn joined(names: Vec<String>, none: &str) -> String {
+fn joined(names: &[String], none: &str) -> String {
     match names.len() {
         0 => none.to_owned(),
         count if count > MAX_LISTED => {
