@@ -21,7 +21,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::keyed_path::key_times;
-use super::{node, object, polished};
+use super::{matte, node, object, polished};
 use crate::{
     Clip, Fresnel, Material, MaterialIdx, NodeIdx, Scene, SceneObject, Shape, SurfaceMesh,
 };
@@ -79,8 +79,8 @@ pub(super) fn build() -> Scene {
 
 fn materials() -> Vec<Material> {
     vec![
-        polished("porcelain", Vec3::new(0.80, 0.77, 0.70), 0.04),
-        polished("cobalt", Vec3::new(0.03, 0.08, 0.38), 0.04),
+        glazed("porcelain", Vec3::new(0.80, 0.77, 0.70)),
+        glazed("cobalt", Vec3::new(0.03, 0.08, 0.38)),
         Material {
             mirror: Vec3::new(0.75, 0.55, 0.25),
             ..polished("gold", Vec3::new(0.30, 0.19, 0.05), 0.5)
@@ -89,8 +89,14 @@ fn materials() -> Vec<Material> {
             fresnel: Fresnel::Constant,
             ..polished("steel", Vec3::new(0.05, 0.05, 0.06), 0.7)
         },
-        polished("stage", Vec3::new(0.22, 0.22, 0.24), 0.03),
+        matte("stage", Vec3::new(0.22, 0.22, 0.24)),
     ]
+}
+
+/// Glaze shines, but mirrors nothing: twenty thousand little mirrors would send rays everywhere for
+/// a glimmer that the highlight gives as well.
+fn glazed(name: &str, color: Vec3) -> Material {
+    Material { specular: Vec3::splat(0.35), shininess: 60.0, ..matte(name, color) }
 }
 
 #[cfg(test)]
