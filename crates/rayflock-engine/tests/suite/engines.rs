@@ -102,7 +102,7 @@ pub(crate) fn seeded(cases: u32, seed: u64) -> ProptestConfig {
         cases,
         rng_seed: RngSeed::Fixed(seed),
         failure_persistence: None,
-        max_shrink_iters: 200,
+        max_shrink_iters: 40,
         ..ProptestConfig::default()
     }
 }

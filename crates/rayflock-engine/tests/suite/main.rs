@@ -1,5 +1,7 @@
 //! One suite for every engine: each test runs on every engine, at every SIMD level of the
 //! machine, with one and with two threads.
+#![forbid(unsafe_code)]
+#![expect(clippy::unwrap_used, reason = "the tests' helpers may fail just as the tests may")]
 
 mod cases;
 mod engines;
