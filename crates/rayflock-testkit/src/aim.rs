@@ -34,7 +34,7 @@ impl<'a> Aim<'a> {
     pub(crate) fn ray(&self, rng: &mut Rng) -> (Vec3, Vec3) {
         let origin = match rng.below(8) {
             0 => self.target(rng),
-            1 => self.center() + 1000.0 * self.size() * rng.on_sphere(),
+            1 => self.center() + rng.pick(&[1e3, 1e6]) * self.size() * rng.on_sphere(),
             2 | 3 => self.center() + 2.0 * self.size() * rng.on_sphere(),
             _ => self.anywhere(rng),
         };
@@ -103,5 +103,9 @@ fn point_of_triangle(rng: &mut Rng, [a, b, c]: [Vec3; 3]) -> Vec3 {
 
 /// A factor for directions: mostly 1, now and then huge or tiny.
 fn any_length(rng: &mut Rng) -> f32 {
-    if rng.one_in(4) { rng.power_of_ten(-12, 12) } else { 1.0 }
+    match rng.below(16) {
+        0 => rng.power_of_ten(-28, 28),
+        1..4 => rng.power_of_ten(-12, 12),
+        _ => 1.0,
+    }
 }

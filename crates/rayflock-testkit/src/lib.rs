@@ -8,6 +8,19 @@
 //! | [`scenes`] | you need geometry: odd, huge, broken, closed, moving |
 //! | [`rays`] | you need rays at it, in every form and with every hint |
 //! | [`Rng`] | you need numbers that a seed reproduces |
+//!
+//! ```
+//! use glam::Vec3;
+//! use rayflock_geom::{Geometry, GeometryObject, Hit, ObjectId, Ray};
+//! use rayflock_testkit::oracle::{Fault, Oracle};
+//! use rayflock_testkit::scenes::ClosedMesh;
+//!
+//! let cube = GeometryObject::new(ObjectId(0), ClosedMesh::cube().mesh());
+//! let oracle = Oracle::new(&Geometry::new(vec![cube])?);
+//! let ray = Ray::new(Vec3::ZERO, Vec3::new(1.0, 0.3, 0.1));
+//! assert!(matches!(oracle.judge(&ray, &Hit::MISS), Err(Fault::Beaten { .. })));
+//! # Ok::<(), rayflock_geom::GeometryError>(())
+//! ```
 #![forbid(unsafe_code)]
 
 mod aim;

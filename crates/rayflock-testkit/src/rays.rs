@@ -19,16 +19,22 @@ pub enum RayForm {
     Rows,
     /// One `(n, 8)` array that also holds the interval.
     RowsWithInterval,
+    /// Two packed columns in which each run of [`GROUP`] rays shares its origin, as hinted.
+    Groups,
 }
+
+/// Rays that share an origin in [`RayForm::Groups`].
+pub const GROUP: usize = 24;
 
 impl RayForm {
     /// Every form.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::UniformOrigin,
         Self::UniformDirection,
         Self::PerRay,
         Self::Rows,
         Self::RowsWithInterval,
+        Self::Groups,
     ];
 }
 
@@ -61,12 +67,15 @@ impl RaySet {
     /// near and far, with directions of any length; a few of them invalid or inactive.
     pub fn random(rng: &mut Rng, geometry: &Geometry, form: RayForm, len: usize) -> Self {
         let aim = Aim::at(geometry);
-        let shared = Aim::ray(&aim, rng);
+        let mut shared = aim.ray(rng);
         let mut origins = Vec::with_capacity(len);
         let mut directions = Vec::with_capacity(len);
-        for _ in 0..len {
+        for idx in 0..len {
+            if form == RayForm::Groups && idx % GROUP == 0 {
+                shared = aim.ray(rng);
+            }
             let (origin, direction) = match form {
-                RayForm::UniformOrigin => aim.ray_from(rng, shared.0),
+                RayForm::UniformOrigin | RayForm::Groups => aim.ray_from(rng, shared.0),
                 RayForm::UniformDirection => aim.ray_along(rng, shared.1),
                 _ => aim.ray(rng),
             };
@@ -80,6 +89,9 @@ impl RaySet {
             _ => {}
         }
         let mut set = Self::new(form, origins, directions);
+        if form == RayForm::Groups {
+            set.order = RayOrder::Groups(GROUP);
+        }
         set.limit(rng, len, aim.size());
         set.mask = match rng.below(4) {
             0 => Spread::Uniform(1 << rng.below(4)),

@@ -2,13 +2,17 @@
 //!
 //! The other engines are compared with it in `same_answer`.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use proptest::prelude::*;
-use rayflock_geom::{Geometry, GeometryObject, HitBuffer, ObjectId, RayBatch};
+use rayflock_geom::{Aabb, Geometry, GeometryObject, HitBuffer, Mesh, ObjectId, RayBatch};
 use rayflock_testkit::Rng;
 use rayflock_testkit::oracle::{Oracle, Verdict};
 use rayflock_testkit::rays::{RayForm, RaySet};
-use rayflock_testkit::scenes::{ClosedMesh, SceneRecipe, SoupKind, scene_recipe, triangle_soup};
+use rayflock_testkit::scenes::{
+    ClosedMesh, SceneRecipe, SoupKind, UserBoxes, scene_recipe, spheres, triangle_soup,
+};
 
 use crate::engines::{definition, seeded};
 
@@ -75,6 +79,27 @@ fn soups_of_every_kind_and_scale_agree_with_the_oracle() {
                 let verdict = judge_every_form(&geometry, &mut rng, 200);
                 assert_eq!(verdict, Ok(()), "{kind:?} of size {size:e} at {offset} sizes");
             }
+        }
+    }
+}
+
+#[test]
+fn spheres_and_user_primitives_of_every_scale_agree_with_the_oracle() {
+    for exponent in [-12, -6, 0, 6, 12] {
+        let size = 10.0_f32.powi(exponent);
+        for offset in [0.0, 100.0, 1e5] {
+            let mut rng = Rng::new(14);
+            let center = Vec3::splat(offset * size);
+            let boxes = (0..20).map(|_| {
+                let (a, b) = (center + size * rng.in_cube(), center + size * rng.in_cube());
+                Aabb { min: a.min(b), max: a.max(b) }
+            });
+            let boxes = UserBoxes(boxes.collect());
+            let mesh = Mesh::from_spheres(spheres(&mut rng, 50, center, size));
+            let mesh = mesh.with_user(Arc::new(boxes));
+            let geometry = Geometry::new(vec![GeometryObject::new(ObjectId(0), mesh)]).unwrap();
+            let verdict = judge_every_form(&geometry, &mut rng, 300);
+            assert_eq!(verdict, Ok(()), "size {size:e} at {offset} sizes");
         }
     }
 }

@@ -113,10 +113,13 @@ fn check_earlier_hits(
 
 /// A batch of one form, or a picture.
 fn random_set(rng: &mut Rng, geometry: &Geometry, len: usize) -> RaySet {
-    match rng.below(RayForm::ALL.len() + 2) {
-        5 => RaySet::pinhole(rng, geometry, [len / 16, 16], 0),
-        6 => RaySet::pinhole(rng, geometry, [len.div_ceil(64) * 8, 8], 8),
-        form => RaySet::random(rng, geometry, RayForm::ALL[form], len),
+    match rng.below(8) {
+        0 => RaySet::pinhole(rng, geometry, [len / 16, 16], 0),
+        1 => RaySet::pinhole(rng, geometry, [len.div_ceil(64) * 8, 8], 8),
+        _ => {
+            let form = rng.pick(&RayForm::ALL);
+            RaySet::random(rng, geometry, form, len)
+        }
     }
 }
 

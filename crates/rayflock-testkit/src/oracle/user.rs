@@ -17,6 +17,9 @@ use super::{ABSOLUTE_SLACK, RELATIVE_SLACK};
 /// much that rounding decides what is hit.
 const WORST_CONDITION: f64 = 1e4;
 
+/// Rays moved by more than this part of a primitive's bound may all step over it.
+const LARGEST_MOVE: f64 = 0.02;
+
 /// A user primitive, with the transform that takes rays to it.
 #[derive(Clone, Debug)]
 pub(super) struct UserPrimitive {
@@ -31,11 +34,13 @@ impl UserPrimitive {
             let t = f64::from(self.ask(&ray.single)?);
             return Some(Crossing { verdict: Verdict::CertainHit, t: TRange { lo: t, hi: t } });
         };
-        if condition(object_from_world) > WORST_CONDITION {
+        let nearby = Nearby::new(object_from_world, ray);
+        let radius = f64::from(self.prims.bounding_sphere(self.prim_idx).radius);
+        let coarse = nearby.origin_slack.length() > LARGEST_MOVE * radius;
+        if coarse || condition(object_from_world) > WORST_CONDITION {
             let t = TRange { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
             return Some(Crossing { verdict: Verdict::Borderline, t });
         }
-        let nearby = Nearby::new(object_from_world, ray);
         let asked: Vec<Option<f32>> = nearby.rays(&ray.single).map(|ray| self.ask(&ray)).collect();
         let found: Vec<f64> = asked.iter().flatten().map(|&t| f64::from(t)).collect();
         let lo = found.iter().copied().reduce(f64::min)?;
