@@ -62,7 +62,8 @@ fn warn_of_ignored(mesh: &Mesh, element: &str, job: &mut Job<'_>) {
     }
 }
 
-/// Gives every normal unit length; those that have none come from the triangles around them.
+/// Gives every normal unit length; those that have none come from the triangles around them, and
+/// all do where they belong to another surface.
 fn mend_normals(mesh: &Mesh, normals: &mut [Vec3], element: &str, job: &mut Job<'_>) {
     let mut missing_count = 0;
     for normal in normals.iter_mut() {
@@ -70,16 +71,36 @@ fn mend_normals(mesh: &Mesh, normals: &mut [Vec3], element: &str, job: &mut Job<
         *normal = (*normal / normal.abs().max_element()).normalize_or_zero();
         missing_count += usize::from(*normal == Vec3::ZERO);
     }
+    if normals.is_empty() {
+        return;
+    }
+    let computed = vertex_normals(mesh);
+    if missing_count == 0 && disagree(mesh, normals, &computed) {
+        job.warn(element, "the normals are not those of the triangles; they are computed");
+        normals.copy_from_slice(&computed);
+    }
     if missing_count == 0 {
         return;
     }
     job.warn(element, format!("{missing_count} normals have no direction; they are computed"));
-    let computed = vertex_normals(mesh);
     for (normal, computed) in normals.iter_mut().zip(computed) {
         if *normal == Vec3::ZERO {
             *normal = computed;
         }
     }
+}
+
+/// Whether `normals` cannot belong to the mesh, as after an export that turned only the
+/// positions: at the corners of triangles, they make more than 53 degrees on average (a cosine of
+/// 0.6; 0.5 would be chance) with the lines along which `computed` lie. Smooth normals of coarse
+/// meshes stay within 40 degrees, and inverted ones on the line.
+fn disagree(mesh: &Mesh, normals: &[Vec3], computed: &[Vec3]) -> bool {
+    let corners = mesh.triangles().as_flattened();
+    let cosines = corners.iter().map(|&corner| {
+        let corner = corner as usize;
+        f64::from(normals[corner].dot(computed[corner]).abs())
+    });
+    cosines.sum::<f64>() < 0.6 * corners.len() as f64
 }
 
 /// The mean normal of the triangles around each vertex, by area; +Y where there are none.
@@ -147,6 +168,18 @@ mod tests {
         let (mesh, warnings) = build(parts);
         assert_eq!(*mesh.unwrap().normals, [Vec3::Z; 3]);
         assert!(warnings[0].starts_with("2 normals"));
+    }
+
+    #[test]
+    fn normals_of_another_surface_are_replaced_and_inverted_ones_kept() {
+        for (given, expected) in [(Vec3::X, Vec3::Z), (Vec3::NEG_Z, Vec3::NEG_Z)] {
+            let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+            let (triangles, normals) = (vec![[0, 1, 2]], vec![given; 3]);
+            let parts = MeshParts { positions, triangles, normals, ..Default::default() };
+            let (mesh, warnings) = build(parts);
+            assert_eq!(*mesh.unwrap().normals, [expected; 3]);
+            assert_eq!(warnings.len(), usize::from(given != expected));
+        }
     }
 
     #[test]
