@@ -11,6 +11,7 @@
 //! Operations are IEEE 754 without fused multiply-add wherever a result is visible, so every
 //! level gives the same bits.
 
+mod axes;
 pub mod cone_sphere;
 pub mod ray_sphere;
 pub mod ray_triangle;

@@ -6,6 +6,7 @@
 
 use glam::Vec3;
 
+use super::axes::{dot, load_axes, splat_axes, subtract};
 use super::{Lanes, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 use crate::{Sphere, SphereCone};
 
@@ -46,10 +47,9 @@ impl SphereBlock {
     /// The sixteen spheres as vectors.
     #[inline(always)]
     pub fn load<S: Simd>(&self, simd: S) -> SphereLanes<S> {
-        let load = |lanes: &Lanes| f32x16::from_slice(simd, lanes);
         SphereLanes {
-            center: [load(&self.center[0]), load(&self.center[1]), load(&self.center[2])],
-            radius: load(&self.radius),
+            center: load_axes(simd, &self.center),
+            radius: f32x16::from_slice(simd, &self.radius),
         }
     }
 }
@@ -85,29 +85,24 @@ pub fn touches<S: Simd>(
     slack: f32,
     spheres: &SphereLanes<S>,
 ) -> (mask32x16<S>, f32x16<S>) {
-    let splat = |value: f32| f32x16::splat(simd, value);
-    let (apex, axis) = (cone.origin.center, cone.axis);
-    let v = [
-        spheres.center[0] - splat(apex.x),
-        spheres.center[1] - splat(apex.y),
-        spheres.center[2] - splat(apex.z),
-    ];
-    let radius = spheres.radius + splat(cone.origin.radius);
-    let along = v[0] * splat(axis.x) + v[1] * splat(axis.y) + v[2] * splat(axis.z);
-    let across =
-        [v[0] - along * splat(axis.x), v[1] - along * splat(axis.y), v[2] - along * splat(axis.z)];
-    let square = |v: [f32x16<S>; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    let distance = square(v).sqrt();
-    let enlarged = radius + splat(slack) * (distance + radius);
+    let splat = f32x16::splat;
+    let axis = splat_axes(simd, cone.axis);
+    let v = subtract(spheres.center, splat_axes(simd, cone.origin.center));
+    let radius = spheres.radius + splat(simd, cone.origin.radius);
+    let along = dot(v, axis);
+    let across = subtract(v, [along * axis[0], along * axis[1], along * axis[2]]);
+    let distance = dot(v, v).sqrt();
+    let enlarged = radius + splat(simd, slack) * (distance + radius);
 
     // Comparisons are negated so that an overflow to NaN keeps the sphere.
-    let outside = square(across).sqrt() * splat(cone.cos) - along * splat(cone.sin);
+    let outside =
+        dot(across, across).sqrt() * splat(simd, cone.cos) - along * splat(simd, cone.sin);
     let beside = outside.simd_gt(enlarged);
-    let forward = splat(if cone.cos > 0.0 { 1.0 } else { 0.0 });
+    let forward = splat(simd, if cone.cos > 0.0 { 1.0 } else { 0.0 });
     let behind = (along * forward).simd_lt(-enlarged);
     let nearest = distance - enlarged;
-    let beyond = nearest.simd_gt(splat(reach.far));
-    let before = (distance + enlarged).simd_lt(splat(reach.near));
+    let beyond = nearest.simd_gt(splat(simd, reach.far));
+    let before = (distance + enlarged).simd_lt(splat(simd, reach.near));
     (!(beside | behind | beyond | before), nearest)
 }
 

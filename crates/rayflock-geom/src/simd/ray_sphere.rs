@@ -20,6 +20,7 @@
 //! within `radius` plus eight rounding units of `|f|` of the ray, less than
 //! [`PERTURBATION`](super::ray_triangle::PERTURBATION).
 
+use super::axes::{dot, load_axes, splat_axes, subtract};
 use super::{Lanes, Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 use crate::{Ray, Sphere};
 
@@ -68,18 +69,10 @@ pub fn intersect_sphere<S: Simd>(
     sphere: &Sphere,
     active: mask32x16<S>,
 ) -> (mask32x16<S>, f32x16<S>) {
-    let load = |lanes: &Lanes| f32x16::from_slice(simd, lanes);
-    let splat = |value: f32| f32x16::splat(simd, value);
-    let dot = |a: [f32x16<S>; 3], b: [f32x16<S>; 3]| (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
-
-    let center = sphere.center.to_array();
-    let d = [load(&rays.direction[0]), load(&rays.direction[1]), load(&rays.direction[2])];
-    let f = [
-        load(&rays.origin[0]) - splat(center[0]),
-        load(&rays.origin[1]) - splat(center[1]),
-        load(&rays.origin[2]) - splat(center[2]),
-    ];
-    let radius_squared = splat(sphere.radius) * splat(sphere.radius);
+    let d = load_axes(simd, &rays.direction);
+    let f = subtract(load_axes(simd, &rays.origin), splat_axes(simd, sphere.center));
+    let radius = f32x16::splat(simd, sphere.radius);
+    let radius_squared = radius * radius;
     let a = dot(d, d);
     let b = -dot(f, d);
 
@@ -87,20 +80,25 @@ pub fn intersect_sphere<S: Simd>(
     let nearest = b / a;
     let l = [f[0] + nearest * d[0], f[1] + nearest * d[1], f[2] + nearest * d[2]];
     let discriminant = radius_squared - dot(l, l);
-    let touched = active & discriminant.simd_ge(splat(0.0));
+    let touched = active & discriminant.simd_ge(f32x16::splat(simd, 0.0));
 
     // Both roots, in order, in multiples of the direction as given.
     let q = b + (a * discriminant).sqrt().copysign(b);
-    let size = load(&rays.size);
+    let size = f32x16::from_slice(simd, &rays.size);
     let (first, second) = ((dot(f, f) - radius_squared) / q / size, q / a / size);
     let ordered = first.simd_le(second);
     let (t_near, t_far) = (ordered.select(first, second), ordered.select(second, first));
-    let (t_min, t_max) = (load(&rays.t_min), load(&rays.t_max));
-    let within =
-        |t: f32x16<S>| t.simd_ge(t_min) & t.simd_le(t_max) & t.abs().simd_lt(splat(f32::INFINITY));
-    let near_accepted = touched & within(t_near);
-    let far_accepted = touched & within(t_far);
+    let near_accepted = touched & is_within(simd, t_near, rays);
+    let far_accepted = touched & is_within(simd, t_far, rays);
     (near_accepted | far_accepted, near_accepted.select(t_near, t_far))
+}
+
+/// Where `t` is finite and in the interval of its ray.
+#[inline(always)]
+fn is_within<S: Simd>(simd: S, t: f32x16<S>, rays: &SphereRays) -> mask32x16<S> {
+    t.simd_ge(f32x16::from_slice(simd, &rays.t_min))
+        & t.simd_le(f32x16::from_slice(simd, &rays.t_max))
+        & t.abs().simd_lt(f32x16::splat(simd, f32::INFINITY))
 }
 
 #[cfg(test)]

@@ -33,6 +33,7 @@
 
 use glam::Vec3;
 
+use super::axes::{Axes, load_axes, splat_axes, subtract};
 use super::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use crate::Ray;
 
@@ -191,16 +192,23 @@ pub fn intersect_block<S: Simd>(
     block: &TriangleBlock,
     active: mask32x16<S>,
 ) -> LaneHits<S> {
-    let origin = ray.origin.to_array();
-    let relative = |corner: usize, axis: usize| {
-        f32x16::from_slice(simd, &block.corners[corner][axis]) - f32x16::splat(simd, origin[axis])
-    };
+    let [a, b, c] = &block.corners;
+    let corners =
+        [relative_axes(simd, a, ray), relative_axes(simd, b, ray), relative_axes(simd, c, ray)];
+    let shear = splat_axes(simd, ray.shear.into());
+    let interval = [f32x16::splat(simd, ray.t_min), f32x16::splat(simd, ray.t_max)];
+    intersect_sheared(simd, corners, shear, interval, active)
+}
+
+/// Corners relative to the origin of one ray, in its order kx, ky, kz.
+#[inline(always)]
+fn relative_axes<S: Simd>(simd: S, corner: &[Lanes; 3], ray: &ShearedRay) -> Axes<S> {
     let [kx, ky, kz] = ray.axes;
-    let corner = |i: usize| [relative(i, kx), relative(i, ky), relative(i, kz)];
-    let splat = |value: f32| f32x16::splat(simd, value);
-    let shear = [splat(ray.shear[0]), splat(ray.shear[1]), splat(ray.shear[2])];
-    let interval = [splat(ray.t_min), splat(ray.t_max)];
-    intersect_sheared(simd, [corner(0), corner(1), corner(2)], shear, interval, active)
+    [
+        f32x16::from_slice(simd, &corner[kx]) - f32x16::splat(simd, ray.origin[kx]),
+        f32x16::from_slice(simd, &corner[ky]) - f32x16::splat(simd, ray.origin[ky]),
+        f32x16::from_slice(simd, &corner[kz]) - f32x16::splat(simd, ray.origin[kz]),
+    ]
 }
 
 /// Sixteen rays against one triangle; only `active` lanes count.
@@ -211,42 +219,47 @@ pub fn intersect_packet<S: Simd>(
     corners: &[Vec3; 3],
     active: mask32x16<S>,
 ) -> LaneHits<S> {
-    let load = |lanes: &Lanes| f32x16::from_slice(simd, lanes);
-    let origin = [load(&packet.origin[0]), load(&packet.origin[1]), load(&packet.origin[2])];
-    let splat = |value: f32| f32x16::splat(simd, value);
-    let relative = |corner: &Vec3| {
-        [splat(corner.x) - origin[0], splat(corner.y) - origin[1], splat(corner.z) - origin[2]]
-    };
-    let [a, b, c] = [relative(&corners[0]), relative(&corners[1]), relative(&corners[2])];
+    let origin = load_axes(simd, &packet.origin);
+    let a = subtract(splat_axes(simd, corners[0]), origin);
+    let b = subtract(splat_axes(simd, corners[1]), origin);
+    let c = subtract(splat_axes(simd, corners[2]), origin);
     let permuted = match packet.common_axis() {
         Some(0) => [[a[1], a[2], a[0]], [b[1], b[2], b[0]], [c[1], c[2], c[0]]],
         Some(1) => [[a[2], a[0], a[1]], [b[2], b[0], b[1]], [c[2], c[0], c[1]]],
         Some(_) => [a, b, c],
         None => {
-            let permute = |p| permute_lanes(simd, packet.major, p);
-            [permute(a), permute(b), permute(c)]
+            let major = packet.major;
+            [
+                permute_lanes(simd, major, a),
+                permute_lanes(simd, major, b),
+                permute_lanes(simd, major, c),
+            ]
         }
     };
-    let shear = [load(&packet.shear[0]), load(&packet.shear[1]), load(&packet.shear[2])];
-    let interval = [load(&packet.t_min), load(&packet.t_max)];
+    let shear = load_axes(simd, &packet.shear);
+    let interval =
+        [f32x16::from_slice(simd, &packet.t_min), f32x16::from_slice(simd, &packet.t_max)];
     intersect_sheared(simd, permuted, shear, interval, active)
 }
 
 /// Brings each lane's coordinates into the order kx, ky, kz of its own ray.
 #[inline(always)]
-fn permute_lanes<S: Simd>(simd: S, major: [u16; 2], [x, y, z]: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
+fn permute_lanes<S: Simd>(simd: S, major: [u16; 2], [x, y, z]: Axes<S>) -> Axes<S> {
     let major_x = mask32x16::from_bitmask(simd, major[0].into());
     let major_y = mask32x16::from_bitmask(simd, major[1].into());
-    let pick = |for_x, for_y, for_z| major_x.select(for_x, major_y.select(for_y, for_z));
-    [pick(y, z, x), pick(z, x, y), pick(x, y, z)]
+    [
+        major_x.select(y, major_y.select(z, x)),
+        major_x.select(z, major_y.select(x, y)),
+        major_x.select(x, major_y.select(y, z)),
+    ]
 }
 
 /// The test itself, on corners relative to the origin in the order kx, ky, kz.
 #[inline(always)]
 fn intersect_sheared<S: Simd>(
     simd: S,
-    [a, b, c]: [[f32x16<S>; 3]; 3],
-    [sx, sy, dz]: [f32x16<S>; 3],
+    [a, b, c]: [Axes<S>; 3],
+    [sx, sy, dz]: Axes<S>,
     [t_min, t_max]: [f32x16<S>; 2],
     active: mask32x16<S>,
 ) -> LaneHits<S> {
@@ -301,7 +314,7 @@ fn is_finite<S: Simd>(simd: S, value: f32x16<S>) -> mask32x16<S> {
 fn intersect_rare<S: Simd>(
     simd: S,
     rare: u64,
-    sheared: [[f32x16<S>; 3]; 3],
+    sheared: [Axes<S>; 3],
     dz: f32x16<S>,
     hits: LaneHits<S>,
 ) -> LaneHits<S> {

@@ -1,0 +1,36 @@
+//! Vectors in space, one column of lanes an axis, for the kernels.
+//!
+//! These are functions, not closures inside the kernels: a closure can't be forced inline, and a
+//! call from code compiled for AVX2 to code that is not costs four times the ray-triangle test.
+
+use glam::Vec3;
+
+use super::{Lanes, Simd, SimdBase, f32x16};
+
+/// x, y and z of sixteen points or directions.
+pub(super) type Axes<S> = [f32x16<S>; 3];
+
+/// Three columns as vectors.
+#[inline(always)]
+pub(super) fn load_axes<S: Simd>(simd: S, columns: &[Lanes; 3]) -> Axes<S> {
+    let load = f32x16::from_slice;
+    [load(simd, &columns[0]), load(simd, &columns[1]), load(simd, &columns[2])]
+}
+
+/// One point in every lane.
+#[inline(always)]
+pub(super) fn splat_axes<S: Simd>(simd: S, point: Vec3) -> Axes<S> {
+    let splat = f32x16::splat;
+    [splat(simd, point.x), splat(simd, point.y), splat(simd, point.z)]
+}
+
+#[inline(always)]
+pub(super) fn subtract<S: Simd>(a: Axes<S>, b: Axes<S>) -> Axes<S> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// The scalar product, summed in the order of the axes.
+#[inline(always)]
+pub(super) fn dot<S: Simd>(a: Axes<S>, b: Axes<S>) -> f32x16<S> {
+    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+}
