@@ -11,8 +11,8 @@ use super::{Lanes, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 use crate::{Sphere, SphereCone};
 
 /// The least relative slack: [`PERTURBATION`](super::ray_triangle::PERTURBATION) for what the
-/// accepting test may move sideways, fifteen rounding units for its `t`, and as much again for
-/// the distances measured here.
+/// accepting test may move sideways, as much for its `t` (what is proven and what measured about
+/// it is in `docs/algorithms/intersection.md`), and twice that for the distances measured here.
 pub const SLACK: f32 = 4.0 * super::ray_triangle::PERTURBATION;
 
 /// Sixteen bounding spheres as columns.

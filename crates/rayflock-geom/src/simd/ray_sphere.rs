@@ -104,6 +104,7 @@ fn is_within<S: Simd>(simd: S, t: f32x16<S>, rays: &SphereRays) -> mask32x16<S> 
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
+    use proptest::prelude::*;
 
     use super::super::{SimdLevel, SimdMask, dispatch};
     use super::*;
@@ -145,6 +146,32 @@ mod tests {
         let ray = |x: f32| Ray::new(Vec3::new(x, 0.0, 0.0), Vec3::Z);
         assert!(hit(&ray(0.049), &sphere).is_some());
         assert!(hit(&ray(0.051), &sphere).is_none());
+    }
+
+    proptest! {
+        /// A ray at the outline that is accepted passes within eight rounding units of `|f|`.
+        #[test]
+        fn accepted_rays_pass_near_the_sphere(
+            origin in prop::array::uniform3(-2.0..2.0_f32),
+            center in prop::array::uniform3(-1.0..1.0_f32),
+            aside in prop::array::uniform3(-1.0..1.0_f32),
+            exponent in -6.0..0.0_f32,
+            miss in -1e-6..1e-6_f32,
+        ) {
+            let (origin, center) = (Vec3::from(origin), Vec3::from(center));
+            let radius = 10.0_f32.powf(exponent);
+            let f = (origin - center).as_dvec3();
+            let aside = f.cross(Vec3::from(aside).as_dvec3());
+            prop_assume!(aside.length() > 1e-2 && f.length() > f64::from(radius));
+            let target = center.as_dvec3() + f64::from(radius + miss) * aside.normalize();
+            let ray = Ray::new(origin, (target - origin.as_dvec3()).as_vec3());
+            if hit(&ray, &Sphere::new(center, radius)).is_some() {
+                let along = f.project_onto(ray.direction.as_dvec3());
+                let excess = (f - along).length() - f64::from(radius);
+                let unit = f64::from(f32::EPSILON) / 2.0;
+                prop_assert!(excess <= 8.0 * unit * f.length(), "{excess}");
+            }
+        }
     }
 
     #[test]

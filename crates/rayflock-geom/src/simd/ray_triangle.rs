@@ -38,9 +38,10 @@ use super::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use crate::Ray;
 
 /// How far the accepting test may move a vertex sideways, relative to the largest coordinate of
-/// `vertex - origin`: six rounding units (one for each difference, product, quotient and the
-/// final sum) times sqrt 2 for two coordinates, with a margin of almost two. Whoever rejects
-/// triangles early must keep those within this distance of a ray.
+/// `vertex - origin`: six rounding units (one each for two coordinates of that difference, the
+/// quotient and the product, two for the final difference) times sqrt 2 for two coordinates, with
+/// a margin of almost two. Whoever rejects triangles early must keep those within this distance
+/// of a ray.
 pub const PERTURBATION: f32 = 1.0 / (1 << 20) as f32;
 
 /// Edge values beyond these bounds are computed again in `f64`. Below the smallest, products with

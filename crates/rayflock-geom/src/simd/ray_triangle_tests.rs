@@ -96,7 +96,44 @@ fn vector() -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(coordinate).prop_map(Vec3::from)
 }
 
+/// How far the line of the ray passes from the triangle.
+fn distance(ray: &Ray, corners: [Vec3; 3]) -> f64 {
+    let direction = ray.direction.as_dvec3().normalize();
+    let [a, b, c] = corners.map(|corner| {
+        let relative = corner.as_dvec3() - ray.origin.as_dvec3();
+        relative - relative.dot(direction) * direction
+    });
+    let edges = [[a, b], [b, c], [c, a]];
+    let sides = edges.map(|[from, to]| from.cross(to).dot(direction));
+    if sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0) {
+        return 0.0;
+    }
+    let to_edge = edges.map(|[from, to]| {
+        let edge = to - from;
+        let along = (-from.dot(edge) / edge.length_squared().max(1e-300)).clamp(0.0, 1.0);
+        (from + along * edge).length()
+    });
+    to_edge.into_iter().fold(f64::INFINITY, f64::min)
+}
+
 proptest! {
+    /// A ray at an edge that is accepted passes within the perturbation.
+    #[test]
+    fn accepted_rays_pass_within_the_perturbation(
+        origin in vector(), corners in prop::array::uniform3(vector()), along in 0.0..1.0_f32,
+    ) {
+        let [a, b, _] = corners;
+        let direction = a + along * (b - a) - origin;
+        prop_assume!(direction.length() > 1e-2);
+        let ray = Ray { t_min: f32::NEG_INFINITY, ..Ray::new(origin, direction) };
+        if hit(&ray, corners).is_some() {
+            let size = corners.map(|corner| (corner - origin).abs().max_element());
+            let size = size[0].max(size[1]).max(size[2]);
+            let distance = distance(&ray, corners);
+            prop_assert!(distance <= f64::from(PERTURBATION * size), "{distance} of {size}");
+        }
+    }
+
     #[test]
     fn all_kernels_agree_and_points_reproduce(
         origin in vector(), direction in vector(), corners in prop::array::uniform3(vector()),
