@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 /// Which of our crates each of them may depend on.
-const ALLOWED: [(&str, &[&str]); 9] = [
+const ALLOWED: [(&str, &[&str]); 10] = [
     ("rayflock-geom", &[]),
     ("rayflock-scene", &["rayflock-geom"]),
     ("rayflock-engine", &["rayflock-geom"]),
@@ -31,7 +31,8 @@ const ALLOWED: [(&str, &[&str]); 9] = [
             "rayflock-render",
         ],
     ),
-    ("rayflock-cli", &["rayflock"]),
+    ("rayflock-bench", &["rayflock"]),
+    ("rayflock-cli", &["rayflock", "rayflock-bench"]),
     ("xtask", &[]),
 ];
 

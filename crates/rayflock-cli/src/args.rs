@@ -3,6 +3,8 @@
 //! Nothing here looks at a file or at another argument: [`RenderPlan`](crate::plan::RenderPlan)
 //! does.
 
+mod bench;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -11,6 +13,8 @@ use rayflock::render::tonemap::ToneMap;
 
 use crate::frames::FrameRange;
 use crate::size::Size;
+
+pub(crate) use bench::{BenchArguments, BenchCommand, BenchSceneArguments};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -58,6 +62,8 @@ pub(crate) enum Command {
     Render(Box<RenderArguments>),
     /// Tell what is in a scene, what moves how, and what is wrong with it.
     Info(InfoArguments),
+    /// Measure engines side by side.
+    Bench(BenchArguments),
 }
 
 /// Options of `demo`.

@@ -27,6 +27,14 @@ impl FrameRange {
     pub(crate) fn iter(self) -> impl Iterator<Item = u32> {
         self.first..=self.last
     }
+
+    /// The frames in the middle of `part_count` equal parts; all frames where they are fewer.
+    pub(crate) fn spread(self, part_count: u64) -> Vec<u32> {
+        let parts = part_count.min(self.count());
+        let middle = |part: u64| (2 * part + 1) * self.count() / (2 * parts);
+        let offset = |part| u32::try_from(middle(part)).unwrap_or(u32::MAX);
+        (0..parts).map(|part| self.first.saturating_add(offset(part))).collect()
+    }
 }
 
 impl FromStr for FrameRange {
@@ -61,6 +69,15 @@ mod tests {
         assert_eq!(range.iter().collect::<Vec<_>>(), [3, 4, 5, 6, 7]);
         assert_eq!("9".parse(), Ok(FrameRange { first: 9, last: 9 }));
         assert_eq!("0..4294967295".parse::<FrameRange>().unwrap().count(), 1 << 32);
+    }
+
+    #[test]
+    fn a_few_frames_spread_over_a_range_lie_in_the_middle_of_equal_parts() {
+        let spread = |text: &str, parts| text.parse::<FrameRange>().unwrap().spread(parts);
+        assert_eq!(spread("0..99", 5), [10, 30, 50, 70, 90]);
+        assert_eq!(spread("7..9", 5), [7, 8, 9]);
+        assert_eq!(spread("4..4", 5), [4]);
+        assert_eq!(spread("0..4294967295", 2), [1 << 30, 3 << 30]);
     }
 
     #[test]

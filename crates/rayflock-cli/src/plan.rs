@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use anyhow::{Result, ensure};
 use rayflock::engine::EngineKind;
 use rayflock::render::{RenderSettings, View};
-use rayflock::scene::{Evaluator, SceneFrame, frame_bounds};
+use rayflock::scene::{Evaluator, Scene, SceneFrame, frame_bounds};
 
 use crate::args::RenderArguments;
 use crate::failure::{Blame, Failure};
@@ -60,6 +60,27 @@ pub(crate) enum PlannedCamera {
     Framing(View),
 }
 
+impl PlannedCamera {
+    /// The camera of this name; without a name the first, or one that frames the whole motion
+    /// where there is none.
+    pub(crate) fn new(evaluator: &Evaluator, name: Option<&str>, size: Size) -> Result<Self> {
+        if let Some(idx) = evaluator.scene().camera_idx(name)? {
+            return Ok(Self::InScene(idx));
+        }
+        let bounds = evaluator.bounds_over_clip()?;
+        let (world_from_camera, projection) = frame_bounds(&bounds, size.aspect());
+        Ok(Self::Framing(View::new(world_from_camera, projection)))
+    }
+
+    /// Where a frame of `scene` is seen from.
+    pub(crate) fn view(&self, scene: &Scene, frame: &SceneFrame) -> View {
+        match *self {
+            Self::InScene(idx) => View::new(frame.cameras[idx], scene.cameras[idx].projection),
+            Self::Framing(view) => view,
+        }
+    }
+}
+
 impl RenderPlan {
     /// Finds everything the user got wrong.
     pub(crate) fn new(args: &RenderArguments) -> Result<Self, Failure> {
@@ -69,8 +90,9 @@ impl RenderPlan {
 
         let input = Input::open(&args.input).blame_input()?;
         let clip = args.clip.as_deref();
-        let mut evaluator = Evaluator::new(input.scene.clone(), clip).blame_input()?;
-        let camera = plan_camera(&mut evaluator, args).blame_input()?;
+        let evaluator = Evaluator::new(input.scene.clone(), clip).blame_input()?;
+        let camera =
+            PlannedCamera::new(&evaluator, args.camera.as_deref(), args.size).blame_input()?;
         let fps = args.fps.unwrap_or_else(|| input.scene.default_frame_rate());
         let frames = plan_frames(args.frames, &target, &input, &evaluator, fps).blame_input()?;
 
@@ -110,12 +132,7 @@ impl RenderPlan {
 
     /// Where a frame is seen from.
     pub(crate) fn view(&self, frame: &SceneFrame) -> View {
-        match self.camera {
-            PlannedCamera::InScene(idx) => {
-                View::new(frame.cameras[idx], self.input.scene.cameras[idx].projection)
-            }
-            PlannedCamera::Framing(view) => view,
-        }
+        self.camera.view(&self.input.scene, frame)
     }
 
     /// What decides how a frame looks and what it costs, by the name of its option. Threads are
@@ -154,15 +171,6 @@ fn check_edges(target: &Target, size: Size) -> Result<()> {
     Ok(())
 }
 
-fn plan_camera(evaluator: &mut Evaluator, args: &RenderArguments) -> Result<PlannedCamera> {
-    if let Some(idx) = evaluator.scene().camera_idx(args.camera.as_deref())? {
-        return Ok(PlannedCamera::InScene(idx));
-    }
-    let bounds = evaluator.bounds_over_clip()?;
-    let (world_from_camera, projection) = frame_bounds(&bounds, args.size.aspect());
-    Ok(PlannedCamera::Framing(View::new(world_from_camera, projection)))
-}
-
 /// The frames asked for; by default frame 0 for a single picture and the whole motion otherwise.
 fn plan_frames(
     asked: Option<FrameRange>,
@@ -177,11 +185,16 @@ fn plan_frames(
         Target::Sequence(..) | Target::Film(..) => whole,
     };
     let frames = asked.unwrap_or(default);
-    let is_finite = input.scene.frame_count.is_some();
+    check_frames(frames, whole, input)?;
+    Ok(frames)
+}
+
+/// Only finite sources have a last frame: everything else repeats or stays.
+pub(crate) fn check_frames(asked: FrameRange, whole: FrameRange, input: &Input) -> Result<()> {
     ensure!(
-        !is_finite || frames.last <= whole.last,
-        "{}: --frames asks for {frames}, but there are the frames {whole}",
+        input.scene.frame_count.is_none() || asked.last <= whole.last,
+        "{}: --frames asks for {asked}, but there are the frames {whole}",
         input.name
     );
-    Ok(frames)
+    Ok(())
 }

@@ -1,12 +1,13 @@
 //! The commands, one a file.
 
+mod bench;
 mod demo;
 mod info;
 mod render;
 
 use anyhow::Context;
 
-use crate::args::Command;
+use crate::args::{BenchCommand, Command};
 use crate::failure::{Blame, Failure};
 
 /// Does what the user asked, on as many threads as the user allows.
@@ -15,6 +16,9 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Demo(args) => args.threads,
         Command::Render(args) => args.threads,
         Command::Info(_) => None,
+        Command::Bench(args) => match &args.command {
+            BenchCommand::Scene(args) => args.threads,
+        },
     };
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.map_or(0, usize::from))
@@ -25,5 +29,6 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Demo(args) => demo::run(args),
         Command::Render(args) => render::run(args),
         Command::Info(args) => info::run(args),
+        Command::Bench(args) => bench::run(args),
     })
 }

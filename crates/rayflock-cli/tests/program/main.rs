@@ -1,5 +1,6 @@
 //! The program as a user meets it: arguments in, files, messages and exit codes out.
 
+mod bench;
 mod demo_and_info;
 mod errors;
 mod formats;

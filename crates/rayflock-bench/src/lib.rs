@@ -1,0 +1,45 @@
+//! Measures engines side by side: the same work in the same run, answers compared.
+//!
+//! | Part | Use it when |
+//! |---|---|
+//! | [`scene`] | you want to know what the frames of an animation cost with each engine |
+//! | [`Record`] | you keep or compare what was measured |
+//! | [`table`] | you read what was measured |
+//!
+//! Figures of one run are comparable with each other; those of two runs only as ratios.
+//!
+//! ```
+//! use std::sync::Arc;
+//!
+//! use rayflock::engine::EngineKind;
+//! use rayflock::prelude::*;
+//! use rayflock_bench::scene::{self, SceneBench};
+//!
+//! let scene = Arc::new(rayflock::scene::builtin::build("cornell").ok_or("no such scene")?);
+//! let bench = SceneBench {
+//!     name: "cornell".to_owned(),
+//!     engines: vec![EngineKind::Brute, EngineKind::Hierarchy],
+//!     frames: vec![0, 60],
+//!     frame_rate: scene.default_frame_rate(),
+//!     size: [16, 12],
+//!     run_count: 1,
+//!     settings: RenderSettings::default(),
+//! };
+//! let mut evaluator = Evaluator::new(Arc::clone(&scene), None)?;
+//! let view = |frame: &SceneFrame| View::new(frame.cameras[0], scene.cameras[0].projection);
+//! let record = scene::measure(&bench, &mut evaluator, &view, &mut || ())?;
+//! assert!(record.same_films());
+//! println!("{}", rayflock_bench::table::format(&record));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod error;
+mod quartiles;
+mod record;
+pub mod scene;
+pub mod table;
+
+pub use error::BenchError;
+pub use quartiles::Quartiles;
+pub use record::{Cell, Machine, Phase, RaysByKind, Record};
