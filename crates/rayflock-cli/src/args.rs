@@ -9,6 +9,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use rayflock::engine::EngineKind;
+use rayflock::import::UpAxis;
 use rayflock::render::tonemap::ToneMap;
 
 use crate::frames::FrameRange;
@@ -82,12 +83,25 @@ pub(crate) struct DemoArguments {
     pub(crate) threads: Option<u16>,
 }
 
+/// Where a scene comes from.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct InputArguments {
+    /// A file (.gltf .glb .obj .ply .stl, each also .gz) or builtin:NAME.
+    #[arg(value_name = "INPUT")]
+    pub(crate) name: String,
+
+    /// Which axis points up in .obj, .ply and .stl files, which do not say: y, or z as in most
+    /// CAD and robotics data.
+    #[arg(long, value_name = "AXIS", default_value_t = UpAxis::Y)]
+    pub(crate) up: UpAxis,
+}
+
 /// Options of `info`.
 #[derive(Debug, Args)]
 pub(crate) struct InfoArguments {
-    /// A file (.gltf .glb .obj .ply .stl, each also .gz) or builtin:NAME.
-    #[arg(value_name = "INPUT")]
-    pub(crate) input: String,
+    /// Where the scene comes from.
+    #[command(flatten)]
+    pub(crate) input: InputArguments,
 
     /// The clip to tell about, by name [default: the first].
     #[arg(long, value_name = "NAME")]
@@ -102,9 +116,9 @@ pub(crate) struct InfoArguments {
 #[derive(Debug, Args)]
 #[command(after_help = RENDER_EXAMPLES)]
 pub(crate) struct RenderArguments {
-    /// A file (.gltf .glb .obj .ply .stl, each also .gz) or builtin:NAME.
-    #[arg(value_name = "INPUT")]
-    pub(crate) input: String,
+    /// Where the scene comes from.
+    #[command(flatten)]
+    pub(crate) input: InputArguments,
 
     /// Where the result goes: a picture (.png .exr), a film (.gif .webp .mp4), a folder, or a
     /// pattern such as out/frame_%04d.png.

@@ -6,9 +6,11 @@ use std::sync::Arc;
 use std::time::UNIX_EPOCH;
 
 use anyhow::{Context, Result, bail, ensure};
-use rayflock::import::{self, Reporter};
+use rayflock::import::{self, LoadOptions, Reporter, UpAxis};
 use rayflock::scene::builtin::{self, Builtin};
 use rayflock::scene::{Clip, Scene};
+
+use crate::args::InputArguments;
 
 /// What stands before the name of a built-in scene.
 const BUILTIN: &str = "builtin:";
@@ -22,7 +24,7 @@ pub(crate) struct Input {
     pub(crate) scene: Arc<Scene>,
     /// What is wrong with the file without making it useless, for the user.
     pub(crate) warnings: Vec<String>,
-    /// Size and time of the file, to notice that it has changed; empty for built-in scenes.
+    /// Size, time and up axis of the file, to notice that it has changed; empty for built-in scenes.
     pub(crate) revision: String,
     /// Length of the motion in seconds, where the source has one of its own besides clips.
     own_duration: Option<f64>,
@@ -30,10 +32,10 @@ pub(crate) struct Input {
 
 impl Input {
     /// Reads the scene that INPUT names.
-    pub(crate) fn open(name: &str) -> Result<Self> {
-        match name.strip_prefix(BUILTIN) {
-            Some(builtin) => Self::builtin(name, builtin),
-            None => Self::file(name),
+    pub(crate) fn open(args: &InputArguments) -> Result<Self> {
+        match args.name.strip_prefix(BUILTIN) {
+            Some(builtin) => Self::builtin(&args.name, builtin),
+            None => Self::file(&args.name, args.up),
         }
     }
 
@@ -48,7 +50,7 @@ impl Input {
         Ok(Self { name: name.to_owned(), scene, warnings, revision, own_duration })
     }
 
-    fn file(name: &str) -> Result<Self> {
+    fn file(name: &str, up_axis: UpAxis) -> Result<Self> {
         let path = Path::new(name);
         let is_pattern = name.contains(['*', '?']) && !path.exists();
         ensure!(
@@ -58,12 +60,12 @@ impl Input {
         );
         let metadata = fs::metadata(path).with_context(|| format!("cannot read {name}"))?;
         let mut reporter = Reporter::new();
-        let scene = Arc::new(import::load(path, &mut reporter)?);
+        let scene = Arc::new(import::load_with(path, &LoadOptions { up_axis }, &mut reporter)?);
         let warnings = reporter.warnings().iter().map(ToString::to_string).collect();
         let modified =
             metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
-        let revision =
-            format!("{} bytes, {} ns", metadata.len(), modified.unwrap_or_default().as_nanos());
+        let age = modified.unwrap_or_default().as_nanos();
+        let revision = format!("{} bytes, {age} ns, {up_axis} up", metadata.len());
         Ok(Self { name: name.to_owned(), scene, warnings, revision, own_duration: None })
     }
 
@@ -91,15 +93,19 @@ fn builtin_list() -> String {
 mod tests {
     use super::*;
 
+    fn open(name: &str) -> Result<Input> {
+        Input::open(&InputArguments { name: name.to_owned(), up: UpAxis::Y })
+    }
+
     #[test]
     fn an_unknown_built_in_scene_is_told_which_there_are() {
-        let message = Input::open("builtin:teapot").unwrap_err().to_string();
+        let message = open("builtin:teapot").unwrap_err().to_string();
         assert!(message.contains("\"teapot\"") && message.contains("builtin:cornell"), "{message}");
     }
 
     #[test]
     fn a_built_in_scene_runs_through_once() {
-        let input = Input::open("builtin:cornell").unwrap();
+        let input = open("builtin:cornell").unwrap();
         let rate = input.scene.default_frame_rate();
         assert!(input.whole_motion(None, rate) >= 240);
         assert_eq!(input.whole_motion(None, rate / 2.0), input.whole_motion(None, rate) / 2);
@@ -109,7 +115,7 @@ mod tests {
     fn folders_and_patterns_are_named_as_such() {
         let folder = tempfile::tempdir().unwrap();
         for name in [folder.path().to_str().unwrap(), "frames/*.obj"] {
-            let message = Input::open(name).unwrap_err().to_string();
+            let message = open(name).unwrap_err().to_string();
             assert!(message.contains("sequences of files"), "{message}");
         }
     }

@@ -42,7 +42,9 @@ mod texture;
 #[cfg(test)]
 mod tests;
 
+use std::fmt;
 use std::path::Path;
+use std::str::FromStr;
 
 use rayflock_scene::Scene;
 
@@ -67,6 +69,27 @@ pub enum UpAxis {
     Y,
     /// +Z, as in most CAD and robotics data; the objects hang on a node that turns them.
     Z,
+}
+
+impl fmt::Display for UpAxis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Y => "y",
+            Self::Z => "z",
+        })
+    }
+}
+
+impl FromStr for UpAxis {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        match name {
+            "y" => Ok(Self::Y),
+            "z" => Ok(Self::Z),
+            _ => Err(format!("found \"{name}\", expected y or z")),
+        }
+    }
 }
 
 /// Reads the file at `path`, whose extension says how; `.gz` on top means compressed.

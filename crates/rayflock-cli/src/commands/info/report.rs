@@ -9,6 +9,7 @@ use rayflock::scene::{
 };
 use serde::Serialize;
 
+use crate::args::InputArguments;
 use crate::frames::FrameRange;
 use crate::input::Input;
 
@@ -102,8 +103,8 @@ pub(super) struct LightReport {
 
 impl Report {
     /// Reads INPUT and looks at the chosen clip.
-    pub(super) fn new(name: &str, clip: Option<&str>) -> Result<Self> {
-        let input = Input::open(name)?;
+    pub(super) fn new(args: &InputArguments, clip: Option<&str>) -> Result<Self> {
+        let input = Input::open(args)?;
         let mut evaluator = Evaluator::new(input.scene.clone(), clip)?;
         let bounds = evaluator.bounds_over_clip()?;
         let motion = evaluator.motion_kinds();
@@ -115,7 +116,7 @@ impl Report {
 
         let scene = &*input.scene;
         let mut warnings = input.warnings;
-        warnings.extend(ignored_warning(name, frame)?);
+        warnings.extend(ignored_warning(&args.name, frame)?);
         let meshes = || frame.surfaces.iter().map(|surface| &surface.mesh);
         Ok(Self {
             input: input.name,
