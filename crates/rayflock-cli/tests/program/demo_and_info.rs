@@ -53,7 +53,7 @@ fn an_input_can_be_turned_upright() {
     work.write("flat.obj", "v 0 0 0\nv 4 0 0\nv 0 2 1\nf 1 2 3\n");
     let height = |options: &str| {
         let run = work.run(&format!("info flat.obj --json {options}"));
-        let info: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+        let info: Value = serde_json::from_str(&run.stdout).unwrap();
         info["bounds"]["max"][1].as_f64().unwrap()
     };
     assert_eq!((height(""), height("--up y"), height("--up z")), (2.0, 2.0, 1.0));
