@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use rayflock::engine::EngineKind;
 
-use super::thread_count;
+use super::{InputArguments, thread_count};
 use crate::frames::FrameRange;
 use crate::size::Size;
 
@@ -43,9 +43,9 @@ pub(crate) enum BenchCommand {
 #[derive(Debug, Args)]
 #[command(after_help = SCENE_EXAMPLES)]
 pub(crate) struct BenchSceneArguments {
-    /// A file (.gltf .glb .obj .ply .stl, each also .gz) or builtin:NAME.
-    #[arg(value_name = "INPUT")]
-    pub(crate) input: String,
+    /// Where the scene comes from.
+    #[command(flatten)]
+    pub(crate) input: InputArguments,
 
     /// The engines, separated by commas; the first is what the others are compared with.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "brute,hierarchy")]
