@@ -7,12 +7,14 @@
 use glam::Vec3;
 
 use super::axes::{dot, load_axes, splat_axes, subtract};
+use super::ray_triangle::DEPTH_ERROR;
 use super::{Lanes, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 use crate::{Sphere, SphereCone};
 
-/// The least relative slack: [`PERTURBATION`](super::ray_triangle::PERTURBATION) for what the
-/// accepting test may move sideways, as much for its `t` (what is proven and what measured about
-/// it is in `docs/algorithms/intersection.md`), and twice that for the distances measured here.
+/// The least slack relative to distances: [`PERTURBATION`](super::ray_triangle::PERTURBATION) for
+/// what the accepting test may move sideways, and three times that for the distances measured
+/// here. What its `t` may be off is relative to the radius:
+/// [`DEPTH_ERROR`](super::ray_triangle::DEPTH_ERROR).
 pub const SLACK: f32 = 4.0 * super::ray_triangle::PERTURBATION;
 
 /// Sixteen bounding spheres as columns.
@@ -88,7 +90,7 @@ pub fn touches<S: Simd>(
     let splat = f32x16::splat;
     let axis = splat_axes(simd, cone.axis);
     let v = subtract(spheres.center, splat_axes(simd, cone.origin.center));
-    let radius = spheres.radius + splat(simd, cone.origin.radius);
+    let radius = spheres.radius * splat(simd, 1.0 + DEPTH_ERROR) + splat(simd, cone.origin.radius);
     let along = dot(v, axis);
     let across = subtract(v, [along * axis[0], along * axis[1], along * axis[2]]);
     let distance = dot(v, v).sqrt();

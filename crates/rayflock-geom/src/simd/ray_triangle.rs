@@ -17,7 +17,7 @@
 //! **Departures.** Two-sided, so the paper's swap of kx and ky is left out. `z` stays unscaled and
 //! is divided by `d[kz]` at the end, so that tiny and huge directions neither overflow nor lose
 //! digits. Not only edge values of exactly zero go to `f64`, but also those that underflow or
-//! overflow. `docs/algorithms/intersection.md` compares this test with the scalar triple product.
+//! overflow, and triangles seen edge-on, whose depth would lose its digits. `docs/algorithms/intersection.md` compares this test with the scalar triple product.
 //!
 //! **Invariants.**
 //! - One sequence of IEEE operations without FMA: any SIMD level and either way of filling the
@@ -48,6 +48,17 @@ pub const PERTURBATION: f32 = 1.0 / (1 << 20) as f32;
 /// the depth of a corner underflow by more than the test may err.
 const SMALLEST_EDGE: f32 = 1e-24;
 const LARGEST_EDGE: f32 = 1e27;
+
+/// Triangles whose sheared area is this part of the square of their sheared coordinates, or less,
+/// are computed again in `f64`: seen edge-on, rounded edge values would leave `t` anywhere between
+/// the corners' depths.
+const THINNEST: f32 = 1.0 / 64.0;
+
+/// How far `t` may lie off the triangle of the rounded vertices, relative to a radius around it:
+/// each edge value is off by at most four rounding units of the square of the coordinates, the
+/// sum of three by twelve, so a weight by `12 * 64` units; times two radii of depth, times sqrt 3
+/// for the slant of the ray. With a margin of one half.
+pub const DEPTH_ERROR: f32 = 1.0 / (1 << 12) as f32;
 
 /// What the accepting test needs to know about one ray.
 #[derive(Clone, Copy, Debug)]
@@ -285,12 +296,15 @@ fn intersect_sheared<S: Simd>(
     let t = z / dz;
     let mut hits = LaneHits { accepted: inside, t, u: v_edge / det, v: w_edge / det };
 
-    // Compute again in f64 what is on an edge or out of range.
+    // Compute again in f64 what is on an edge, seen edge-on or out of range.
     if inside.any_true() {
         let size = [u_edge.abs(), v_edge.abs(), w_edge.abs()];
         let smallest = size[0].min(size[1]).min(size[2]);
         let largest = size[0].max(size[1]).max(size[2]);
+        let (x_extent, y_extent) = (extent(ax, bx, cx), extent(ay, by, cy));
+        let thinnest = f32x16::splat(simd, THINNEST) * (x_extent * x_extent + y_extent * y_extent);
         let plain = smallest.simd_gt(zero)
+            & det.abs().simd_gt(thinnest)
             & largest.simd_gt(f32x16::splat(simd, SMALLEST_EDGE))
             & largest.simd_lt(f32x16::splat(simd, LARGEST_EDGE))
             & is_finite(simd, t);
@@ -303,6 +317,12 @@ fn intersect_sheared<S: Simd>(
     let within = hits.t.simd_ge(t_min) & hits.t.simd_le(t_max) & is_finite(simd, hits.t);
     hits.accepted &= within;
     hits
+}
+
+/// The largest of three coordinates, without its sign.
+#[inline(always)]
+fn extent<S: Simd>(a: f32x16<S>, b: f32x16<S>, c: f32x16<S>) -> f32x16<S> {
+    a.abs().max(b.abs()).max(c.abs())
 }
 
 #[inline(always)]
