@@ -1,6 +1,6 @@
 //! `cargo xtask test`: every check, cheapest first; the first that fails ends the run.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
@@ -35,6 +35,7 @@ const STEPS: [Step; 4] = [
 pub(crate) fn run(root: &Path) -> Result<()> {
     let start = Instant::now();
     tools::want_ffmpeg();
+    say_where_real_scenes_are(root);
     println!("== invariants");
     invariants::check(root)?;
     for step in &STEPS {
@@ -42,6 +43,22 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     }
     println!("== all checks passed in {} s", start.elapsed().as_secs());
     Ok(())
+}
+
+/// Says whether the tests on real scenes run; each that does not says so too, but cargo shows
+/// that only of tests that fail.
+fn say_where_real_scenes_are(root: &Path) {
+    let beside = root.join("../shared/data");
+    let folder = std::env::var_os("RAYFLOCK_DATA").map_or(beside, PathBuf::from);
+    if folder.is_dir() {
+        println!("== real scenes: {}", folder.display());
+    } else {
+        println!(
+            "== real scenes: {} is not there, tests on them are skipped; RAYFLOCK_DATA says where \
+             they are",
+            folder.display()
+        );
+    }
 }
 
 fn run_step(root: &Path, step: &Step) -> Result<()> {

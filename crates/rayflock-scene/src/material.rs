@@ -49,9 +49,11 @@ pub enum Fresnel {
     /// Not at all, as in classic Whitted and BART scenes.
     #[default]
     Constant,
-    /// Schlick's approximation from `mirror` at normal incidence (metals, varnish).
+    /// Schlick's approximation from `mirror` at normal incidence (metals, varnish). Where `mirror`
+    /// is below 4 %, the least of any smooth surface, it stands for a rough one and rises less.
     Schlick,
-    /// The equations of a dielectric with `ior`: what is not mirrored is transmitted (glass).
+    /// The equations of a dielectric with `ior`, whatever `mirror` says: what is not mirrored is
+    /// transmitted (glass).
     Dielectric,
 }
 

@@ -18,7 +18,8 @@
 //!
 //! **Invariants.** One sequence of IEEE operations without FMA. A sphere that is accepted lies
 //! within `radius` plus eight rounding units of `|f|` of the ray, less than
-//! [`PERTURBATION`](super::ray_triangle::PERTURBATION).
+//! [`PERTURBATION`](super::ray_triangle::PERTURBATION). Squares are formed in `f32`: a sphere with
+//! a radius below 1e-19, or farther away than 1e18, is out of range and missed.
 
 use super::axes::{dot, load_axes, splat_axes, subtract};
 use super::{Lanes, Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
