@@ -2,7 +2,7 @@
 //!
 //! | Part | What it does |
 //! |---|---|
-//! | [`test`] | runs every check in order; what CI runs |
+//! | [`mod@test`] | runs every check in order; what CI runs |
 //! | [`invariants`] | checks the rules of `docs/architecture.md` that the compiler does not |
 //! | [`tools`] | finds or installs programs that some tests want |
 #![forbid(unsafe_code)]

@@ -3,7 +3,7 @@
 //! | Part | Use it when |
 //! |---|---|
 //! | [`WhittedRenderer`] | you want pictures: shadows, mirrors, glass, textures |
-//! | [`reference`] | you check a renderer: slow, plain, one ray at a time |
+//! | [`mod@reference`] | you check a renderer: slow, plain, one ray at a time |
 //! | [`FrameRenderer`] | your code takes any renderer of frames |
 //! | [`tonemap`] | you show or store a [`Film`] |
 //!

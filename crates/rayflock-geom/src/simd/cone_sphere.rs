@@ -14,7 +14,7 @@ use crate::{Sphere, SphereCone};
 /// The least slack relative to distances: [`PERTURBATION`](super::ray_triangle::PERTURBATION) for
 /// what the accepting test may move sideways, and three times that for the distances measured
 /// here. What its `t` may be off is relative to the radius:
-/// [`DEPTH_ERROR`](super::ray_triangle::DEPTH_ERROR).
+/// [`DEPTH_ERROR`].
 pub const SLACK: f32 = 4.0 * super::ray_triangle::PERTURBATION;
 
 /// Sixteen bounding spheres as columns.
