@@ -78,7 +78,7 @@ impl RayEngine for BruteEngine {
     }
 
     fn closest_hit(&mut self, rays: &RayBatch<'_>, hits: &mut Hits<'_>) -> TraceStats {
-        assert_eq!(hits.len(), rays.len(), "there must be one hit for each ray");
+        assert!(hits.has_len(rays.len()), "every column must have one entry for each ray");
         let bounds: &[f32] = hits.t;
         let stats = self.trace(rays, Question::Closest, |ray_idx| bounds[ray_idx]);
         offer_hits(&self.table, self.nearest.iter().copied().enumerate(), hits);

@@ -34,7 +34,7 @@ pub trait RayEngine: Debug + Send {
     /// [`Hit::MISS`](rayflock_geom::Hit::MISS).
     ///
     /// # Panics
-    /// When `hits.len() != rays.len()`.
+    /// When a column of `hits` is not as long as the batch.
     fn closest_hit(&mut self, rays: &RayBatch<'_>, hits: &mut Hits<'_>) -> TraceStats;
 
     /// Writes whether anything lies within the interval of each ray: what
@@ -123,7 +123,7 @@ pub struct TraceStats {
     pub invalid_rays: u64,
     /// Sphere-cone tests, in SIMD lanes.
     pub cone_tests: u64,
-    /// Ray-triangle tests, in SIMD lanes that hold a ray and a triangle, padding included.
+    /// Ray-triangle tests, in SIMD lanes: sixteen a call, lanes without a ray or triangle included.
     pub triangle_tests: u64,
     /// Ray-sphere tests, in SIMD lanes.
     pub sphere_tests: u64,

@@ -52,7 +52,8 @@ pub enum Column<'a, T: ColumnElement> {
     PerRay {
         /// The scalars, of any number of interleaved columns.
         values: &'a [T::Scalar],
-        /// Scalars from one ray's value to the next ray's.
+        /// Scalars from one ray's value to the next ray's, at least `T::WIDTH`;
+        /// [`Column::strided`] checks it.
         stride: usize,
     },
 }

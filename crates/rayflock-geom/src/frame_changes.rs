@@ -4,10 +4,6 @@ use std::sync::Arc;
 
 use crate::{Geometry, GeometryObject, ObjectId};
 
-/// The number of a frame, used to stamp what belongs to it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct FrameStamp(pub u64);
-
 /// How one object differs from the last frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ObjectChange {

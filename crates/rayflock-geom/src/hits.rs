@@ -70,6 +70,14 @@ impl<'a> Hits<'a> {
         self.t.is_empty()
     }
 
+    /// Whether every column that is there has `len` entries.
+    pub fn has_len(&self, len: usize) -> bool {
+        let ids = [&self.object_id, &self.prim_id];
+        self.t.len() == len
+            && self.uv.as_ref().is_none_or(|uv| uv.len() == len)
+            && ids.into_iter().flatten().all(|ids| ids.len() == len)
+    }
+
     /// What is known of ray `ray_idx`; columns that are absent read as in a miss.
     pub fn get(&self, ray_idx: usize) -> Hit {
         let [u, v] = self.uv.as_ref().map_or([0.0; 2], |uv| uv[ray_idx]);
@@ -84,10 +92,12 @@ impl<'a> Hits<'a> {
     }
 
     /// Writes `hit` for ray `ray_idx` if it is nearer than what is there. Where the id columns
-    /// are absent, an equal `t` changes nothing.
+    /// that would decide are absent, an equal `t` changes nothing.
     pub fn offer(&mut self, ray_idx: usize, hit: &Hit) {
-        let tie_is_unknown = self.object_id.is_none() && hit.t == self.t[ray_idx];
-        if tie_is_unknown || !hit.is_nearer_than(&self.get(ray_idx)) {
+        let here = self.get(ray_idx);
+        let same_object = self.prim_id.is_none() && hit.object_id == here.object_id;
+        let tie_is_unknown = hit.t == here.t && (self.object_id.is_none() || same_object);
+        if tie_is_unknown || !hit.is_nearer_than(&here) {
             return;
         }
         self.t[ray_idx] = hit.t;

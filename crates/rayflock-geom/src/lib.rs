@@ -40,7 +40,7 @@ mod user_primitives;
 pub use aabb::Aabb;
 pub use affine::{RayTransform, similarity_scale, transform_point, transform_sphere};
 pub use column::{Column, ColumnElement};
-pub use frame_changes::{FrameChanges, FrameStamp, ObjectChange};
+pub use frame_changes::{FrameChanges, ObjectChange};
 pub use geometry::{Geometry, GeometryError, GeometryObject};
 pub use hits::{Hit, HitBuffer, Hits};
 pub use ids::{NO_ID, ObjectId, PrimId};

@@ -5,8 +5,7 @@
 //! lanes of 32 bits everywhere; where registers are narrower, one vector is several of them.
 //!
 //! Arrays of vectors are built entry by entry, never by `array::map`: it is not inlined, and a call
-//! from code compiled for AVX-512 to code that is not passes every vector through memory
-//! (measured: twelve times the cost of the ray-triangle test).
+//! from code compiled for AVX-512 to code that is not passes every vector through memory.
 //!
 //! Operations are IEEE 754 without fused multiply-add wherever a result is visible, so every
 //! level gives the same bits.

@@ -232,8 +232,8 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// Makes the mirrored and refracted rays of the runs waves of `bounce`, to be traced: one where both fit in
-/// `limit` rays, else two.
+/// Makes the mirrored and refracted rays of the runs waves of `bounce`, to be traced: one where
+/// both fit in `limit` rays, else two.
 fn next_waves(buffers: &mut Buffers, bounce: u32, limit: usize, stats: &mut FrameStats) {
     let count_of = |wave: fn(&ShadedRun) -> &Wave| -> usize {
         buffers.runs.iter().map(|run| wave(run).len()).sum()

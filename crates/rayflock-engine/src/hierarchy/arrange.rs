@@ -1,4 +1,4 @@
-//! Arranges the rays of a batch into leaf tiles of sixteen that are close in space.
+//! Arranges the rays of a batch into ray tiles of sixteen that are close in space.
 //!
 //! ```text
 //!   Image       tiles of 4 x 4 pixels along a Morton curve     code = Morton code of the tile
@@ -105,7 +105,8 @@ impl Arrangement {
     }
 }
 
-/// The batch's hint, or `Coherent` where an image does not have as many pixels as there are rays.
+/// The batch's hint, or `Coherent` where an image does not have as many pixels as there are
+/// rays or a side is longer than 2^17.
 fn effective_order(batch: &RayBatch<'_>) -> RayOrder {
     match batch.order() {
         RayOrder::Image { width, height, .. }

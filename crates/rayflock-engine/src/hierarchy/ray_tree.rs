@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayflock_geom::SphereCone;
 use rayflock_geom::simd::cone_sphere::Reach;
 
-/// Cones beyond this half angle (37 degrees) are not worth asking.
+/// Nodes with cones beyond this half angle (37 degrees) get no list of their own.
 const WIDEST_COS: f32 = 0.8;
 
 /// Levels from the tiles (level 0) upward; each node's children are consecutive nodes of the

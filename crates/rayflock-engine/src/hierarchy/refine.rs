@@ -24,11 +24,11 @@ use crate::primitives::PrimitiveTable;
 /// Tasks wanted for each thread, so that all finish at about the same time.
 const TASKS_PER_THREAD: usize = 16;
 
-/// With more candidates than this, asking each ray costs less than testing all rays.
+/// Tiles with more candidates than this are traced ray by ray.
 const LONGEST_TILE_LIST: usize = 256;
 
-/// A list of more than this part of all primitives is not worth its length: below, whole blocks
-/// can be rejected again.
+/// A long list of more than one in this many of all primitives is dropped: below, whole blocks can
+/// be rejected again.
 const LARGEST_SHARE: usize = 4;
 
 /// More levels than a tree of fanout 4 over 32-bit codes can have, and one above the root.
@@ -191,7 +191,8 @@ impl<F: Fn(usize) -> f32 + Sync> Pass<'_, F> {
         } else {
             let list = &mut scratch.lists[level];
             keep_of_all(simd, self.table, &node.cone, node.reach, list, stats);
-            if list.len() * LARGEST_SHARE > self.table.block_count() * LANES {
+            let is_long = list.len() > LONGEST_TILE_LIST;
+            if is_long && list.len() * LARGEST_SHARE > self.table.block_count() * LANES {
                 return Some(false);
             }
         }

@@ -1,6 +1,6 @@
 //! Sorts rays without an order so that neighbours are close in direction and origin.
 //!
-//! A 32-bit key holds the direction on an octahedral map (coarse bits first), then the origin in
+//! A key of at most 31 bits holds the direction on an octahedral map (coarse bits first), then the origin in
 //! the batch's bounding box, both as Morton codes; what is uniform gets no bits.
 //!
 //! **Source.** A. Reis, V. Costa, J. Pereira, "Coherent Ray-Space Hierarchy via Ray Hashing and
@@ -12,7 +12,8 @@ use glam::{Vec2, Vec3};
 use rayflock_geom::{Aabb, RayBatch};
 use rayon::prelude::*;
 
-/// Bits of the key for a direction that is not uniform, and for each of its two coordinates.
+/// Bits of the key for the direction where the origin varies too; half for each of its two
+/// coordinates.
 const DIRECTION_BITS: u32 = 10;
 
 /// Rays that one task gives keys at least.
@@ -30,14 +31,18 @@ impl RaySorter {
     pub(super) fn sort(&mut self, batch: &RayBatch<'_>) -> &[u32] {
         let bounds = Aabb::around((0..batch.len()).map(|ray_idx| batch.origin().get(ray_idx)));
         let scale = bounds.size().map(|side| if side > 0.0 { 1.0 / side } else { 0.0 });
+        let uniform_origin = batch.origin().uniform().is_some();
         let uniform_direction = batch.direction().uniform().is_some();
         let key = |ray_idx: usize| {
             let place = (batch.origin().get(ray_idx) - bounds.min) * scale;
             if uniform_direction {
                 return morton3(place, 10);
             }
-            let direction = morton2(octahedral(batch.direction().get(ray_idx)), DIRECTION_BITS / 2);
-            (direction << 21) | morton3(place, 7)
+            let direction = octahedral(batch.direction().get(ray_idx));
+            if uniform_origin {
+                return morton2(direction, 15);
+            }
+            (morton2(direction, DIRECTION_BITS / 2) << 21) | morton3(place, 7)
         };
         let keyed = (0..batch.len()).into_par_iter().with_min_len(RAYS_PER_TASK);
         keyed

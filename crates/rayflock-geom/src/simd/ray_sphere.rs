@@ -88,10 +88,10 @@ pub fn intersect_sphere<S: Simd>(
     let size = f32x16::from_slice(simd, &rays.size);
     let (first, second) = ((dot(f, f) - radius_squared) / q / size, q / a / size);
     let ordered = first.simd_le(second);
-    let (t_near, t_far) = (ordered.select(first, second), ordered.select(second, first));
-    let near_accepted = touched & is_within(simd, t_near, rays);
-    let far_accepted = touched & is_within(simd, t_far, rays);
-    (near_accepted | far_accepted, near_accepted.select(t_near, t_far))
+    let (lower, upper) = (ordered.select(first, second), ordered.select(second, first));
+    let lower_accepted = touched & is_within(simd, lower, rays);
+    let upper_accepted = touched & is_within(simd, upper, rays);
+    (lower_accepted | upper_accepted, lower_accepted.select(lower, upper))
 }
 
 /// Where `t` is finite and in the interval of its ray.

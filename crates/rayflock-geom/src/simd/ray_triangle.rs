@@ -17,7 +17,8 @@
 //! **Departures.** Two-sided, so the paper's swap of kx and ky is left out. `z` stays unscaled and
 //! is divided by `d[kz]` at the end, so that tiny and huge directions neither overflow nor lose
 //! digits. Not only edge values of exactly zero go to `f64`, but also those that underflow or
-//! overflow, and triangles seen edge-on, whose depth would lose its digits. `docs/algorithms/intersection.md` compares this test with the scalar triple product.
+//! overflow, and triangles seen edge-on, whose depth would lose its digits.
+//! `docs/algorithms/intersection.md` compares this test with the scalar triple product.
 //!
 //! **Invariants.**
 //! - One sequence of IEEE operations without FMA: any SIMD level and either way of filling the
@@ -345,7 +346,12 @@ fn intersect_rare<S: Simd>(
     while remaining != 0 {
         let lane = remaining.trailing_zeros() as usize;
         remaining &= remaining - 1;
-        let corners = sheared.map(|corner| corner.map(|coordinate| coordinate[lane]));
+        let mut corners = [[0.0; 3]; 3];
+        for (corner, axes) in corners.iter_mut().zip(&sheared) {
+            for (coordinate, axis) in corner.iter_mut().zip(axes) {
+                *coordinate = axis[lane];
+            }
+        }
         match intersect_in_f64(corners, dz[lane]) {
             Some(outcome) => [t[lane], u[lane], v[lane]] = outcome,
             None => accepted &= !(1 << lane),
