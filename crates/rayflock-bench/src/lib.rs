@@ -3,7 +3,7 @@
 //! | Part | Use it when |
 //! |---|---|
 //! | [`scene`] | you want to know what the frames of an animation cost with each engine |
-//! | [`Record`] | you keep or compare what was measured |
+//! | [`record`] | you keep or compare what was measured |
 //! | [`table`] | you read what was measured |
 //!
 //! Figures of one run are comparable with each other; those of two runs only as ratios.
@@ -36,10 +36,9 @@
 
 mod error;
 mod quartiles;
-mod record;
+pub mod record;
 pub mod scene;
 pub mod table;
 
 pub use error::BenchError;
 pub use quartiles::Quartiles;
-pub use record::{Cell, Machine, Phase, RaysByKind, Record};

@@ -1,83 +1,102 @@
 //! What was measured, as it is kept.
 //!
 //! In JSON one object; fields are added later, never renamed. Times are wall-clock milliseconds.
+//! What a benchmark does not measure is `null` or left out.
 
-use rayflock::geom::simd::SimdLevel;
-use serde::Serialize;
+mod machine;
+
+use std::collections::BTreeMap;
+
+use rayflock::engine::TraceStats;
+use serde::{Deserialize, Serialize};
+
+pub use machine::Machine;
+
+/// The commit this was built from.
+const COMMIT: &str = git_version::git_version!(
+    args = ["--always", "--abbrev=12", "--dirty=-dirty", "--exclude=*"],
+    fallback = "unknown"
+);
 
 /// Everything measured in one run of a benchmark.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// Version of this crate.
-    pub version: &'static str,
+    /// Which benchmark: `map`, `scene`, `museum`, `scaling`.
+    pub benchmark: String,
     /// What it ran on.
     pub machine: Machine,
-    /// Times each frame was measured.
-    pub run_count: usize,
-    /// One entry an engine, in the order they were asked for.
+    /// The commit that was measured, with `-dirty` where files differed from it; `unknown` where
+    /// the program was not built from a repository.
+    pub commit: String,
+    /// When the run began, RFC 3339, UTC.
+    pub date: String,
+    /// Versions of what took part, by name: `rayflock`, `embree`, ...
+    pub versions: BTreeMap<String, String>,
+    /// The workload: the text of the definition file, where there is one.
+    pub definition: Option<String>,
+    /// One entry a cell of the map (or a scene and kind of rays) and engine.
     pub cells: Vec<Cell>,
 }
 
-/// What a benchmark ran on.
-#[derive(Clone, Debug, Serialize)]
-pub struct Machine {
-    /// Operating system.
-    pub os: &'static str,
-    /// Architecture of the processor.
-    pub arch: &'static str,
-    /// The instruction set of the kernels.
-    pub simd: &'static str,
-}
-
-/// What one engine needed for one scene.
-#[derive(Clone, Debug, Serialize)]
+/// What one engine needed for one piece of work; means over its phases.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
-    /// The scene, as it was asked for.
+    /// Moving triangles in the map, all primitives in a scene (the most in any phase).
+    pub triangles: usize,
+    /// Rays a frame (the mean where phases differ).
+    pub rays: u64,
+    /// The kind of the rays: `primary`, `pointshadow`, ...; `picture` for all rays of a picture.
+    pub kind: String,
+    /// The scene: `map`, a file or `builtin:NAME`.
     pub scene: String,
-    /// The engine.
-    pub engine: &'static str,
+    /// The engine as it was asked for: `hierarchy`, `embree:best`.
+    pub engine: String,
+    /// The setting it ran with, where it has any: `low+instances+packets+coherent`.
+    pub setting: String,
     /// Threads worked with.
     pub threads: usize,
-    /// Width and height in pixels.
-    pub size: [usize; 2],
-    /// The most primitives in any frame.
-    pub triangles: usize,
-    /// Rays a frame, mean over the frames.
-    pub rays: f64,
-    /// The same by kind.
-    pub rays_by_kind: RaysByKind,
-    /// Making a frame's geometry the current one; mean over the frames of their medians.
-    pub commit_ms: f64,
-    /// Tracing a frame's rays; mean over the frames of their medians.
-    pub trace_ms: f64,
-    /// Both together; mean over the frames of their medians.
-    pub total_ms: f64,
-    /// [`total_ms`](Self::total_ms) divided by that of the first engine.
-    pub ratio: f64,
-    /// Distance of the outer quartiles of a frame's total, as a share of its median; the median
-    /// over the frames.
+    /// Making a frame's geometry the current one; mean over the phases of their medians.
+    pub commit_ms: Option<f64>,
+    /// Tracing a frame's rays; mean over the phases of their medians.
+    pub trace_ms: Option<f64>,
+    /// Both together; mean over the phases of the medians of the sums.
+    pub total_ms: Option<f64>,
+    /// Distance of the outer quartiles of the total, as a share of its median; the largest of the
+    /// phases.
     pub spread: f64,
-    /// Ray-triangle tests a ray, over all frames.
-    pub triangle_tests_per_ray: f64,
-    /// Sphere-cone tests a ray, over all frames.
-    pub cone_tests_per_ray: f64,
-    /// Pixels that differ in any bit from the film of the first engine, over all frames and runs.
-    pub differing_pixels: u64,
-    /// One entry a frame.
+    /// Whether the spread is above the stated limit, so that the figures say little.
+    pub noisy: bool,
+    /// Rays answered otherwise than by the reference, beyond the stated tolerance; for pictures,
+    /// pixels that differ in any bit.
+    pub mismatches: u64,
+    /// How the oracle judged them.
+    pub judged: Judged,
+    /// Why nothing was measured, where the work would have taken too long:
+    /// `over 4000 ms a frame after 1/16 of the rays`.
+    pub skipped: Option<String>,
+    /// What the engine counted, mean over the phases.
+    pub counters: Counters,
+    /// Bytes held by the engine, the most in any phase.
+    pub memory_bytes: usize,
+    /// One entry a phase (a frame, in a scene).
     pub phases: Vec<Phase>,
 }
 
-/// What one engine needed for one frame. Times are medians over the runs.
-#[derive(Clone, Debug, Serialize)]
+/// What one engine needed for one phase. Times are medians over the rounds.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Phase {
-    /// The frame, counted from 0.
-    pub frame: u32,
+    /// The name of the phase (`cloud`), or `frame 150`.
+    pub name: String,
+    /// The frame, where phases are frames of an animation.
+    pub frame: Option<u32>,
+    /// Rounds measured.
+    pub rounds: usize,
     /// Primitives in the frame.
     pub triangles: usize,
     /// Rays.
     pub rays: u64,
-    /// The same by kind.
-    pub rays_by_kind: RaysByKind,
+    /// Rays by kind, where they are a picture's.
+    pub rays_by_kind: Option<RaysByKind>,
     /// Making the geometry the current one.
     pub commit_ms: f64,
     /// Tracing the rays.
@@ -86,42 +105,85 @@ pub struct Phase {
     pub total_ms: f64,
     /// The lower and the upper quartile of both together.
     pub total_quartiles_ms: [f64; 2],
-    /// [`total_ms`](Self::total_ms) divided by that of the first engine.
-    pub ratio: f64,
-    /// Ray-triangle tests.
-    pub triangle_tests: u64,
-    /// Sphere-cone tests.
-    pub cone_tests: u64,
-    /// Bytes held by engine and renderer, without the scene.
-    pub memory_bytes: usize,
-    /// Pixels that differ in any bit from the film of the first engine, over all runs.
-    pub differing_pixels: u64,
+    /// Everything else that makes a picture of it, where there is one.
+    pub shade_ms: Option<f64>,
+    /// As in [`Cell`].
+    pub mismatches: u64,
+    /// What the engine counted.
+    pub counters: Counters,
 }
 
-/// Rays of a frame by kind; means where it stands for several frames.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+/// What became of the rays that two engines answered differently. The oracle decides in
+/// arithmetic of its own which answers are right.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Judged {
+    /// Mismatches shown to the oracle; the first ones, where there are very many.
+    pub rays: u64,
+    /// Both answers are right: an edge, a tie, or a difference within the error of the inputs.
+    pub both_right: u64,
+    /// Only this engine is right.
+    pub only_this: u64,
+    /// Only the reference is right.
+    pub only_reference: u64,
+    /// Neither is.
+    pub neither: u64,
+}
+
+/// What an engine counted; 0 where it counts nothing, as a foreign library.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counters {
+    /// Sphere-cone tests, in SIMD lanes.
+    pub cone_tests: u64,
+    /// Box tests, in SIMD lanes.
+    pub box_tests: u64,
+    /// Ray-triangle tests, in SIMD lanes.
+    pub triangle_tests: u64,
+    /// Candidate pairs written.
+    pub pairs: u64,
+    /// Bytes read and written by tests and stages.
+    pub bytes: u64,
+    /// Allocations on the heap in a frame of the steady state, where they were counted.
+    pub allocations: Option<u64>,
+}
+
+/// Rays of a frame by kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RaysByKind {
     /// From the camera.
-    pub primary: f64,
+    pub primary: u64,
     /// Between surfaces and lights.
-    pub shadow: f64,
+    pub shadow: u64,
     /// Mirrored.
-    pub mirror: f64,
+    pub mirror: u64,
     /// Refracted.
-    pub refraction: f64,
+    pub refraction: u64,
 }
 
 impl Record {
-    /// Whether all engines rendered the same films to the bit.
-    pub fn same_films(&self) -> bool {
-        self.cells.iter().all(|cell| cell.differing_pixels == 0)
+    /// A record of this machine, now, with no cells yet.
+    pub fn new(benchmark: &str) -> Self {
+        let rayflock = ("rayflock".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
+        Self {
+            benchmark: benchmark.to_owned(),
+            machine: Machine::here(),
+            commit: COMMIT.to_owned(),
+            date: jiff::Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string(),
+            versions: BTreeMap::from([rayflock]),
+            definition: None,
+            cells: Vec::new(),
+        }
     }
 }
 
-impl Machine {
-    /// This machine.
-    pub fn here() -> Self {
-        let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
-        Self { os, arch, simd: SimdLevel::best().name() }
+impl From<&TraceStats> for Counters {
+    fn from(stats: &TraceStats) -> Self {
+        Self {
+            cone_tests: stats.cone_tests,
+            box_tests: stats.box_tests,
+            triangle_tests: stats.triangle_tests,
+            pairs: stats.pairs,
+            bytes: stats.bytes,
+            allocations: None,
+        }
     }
 }

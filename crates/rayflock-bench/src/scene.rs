@@ -11,6 +11,7 @@
 //! **Cost**: one film, one renderer and its engine for each engine.
 
 mod contestant;
+pub mod record;
 mod summarize;
 
 use std::sync::Arc;
@@ -19,9 +20,10 @@ use rayflock::engine::EngineKind;
 use rayflock::render::{RenderError, RenderSettings, View};
 use rayflock::scene::{Evaluator, Scene, SceneFrame};
 
-use crate::{BenchError, Record};
+use crate::BenchError;
 
 use contestant::Contestant;
+use record::Record;
 use summarize::summarize;
 
 /// What is measured.

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use comfy_table::{CellAlignment, Table, presets};
 
-use crate::{Cell, Phase, Record};
+use crate::scene::record::{Cell, Phase, Record};
 
 const HEADER: [&str; 9] = [
     "frame",

@@ -65,8 +65,8 @@ impl BruteEngine {
 }
 
 impl RayEngine for BruteEngine {
-    fn kind(&self) -> EngineKind {
-        EngineKind::Brute
+    fn name(&self) -> &str {
+        EngineKind::Brute.name()
     }
 
     fn commit(

@@ -15,8 +15,8 @@ use thiserror::Error;
 ///
 /// Work runs on the current rayon thread pool; install a pool around a call to choose its size.
 pub trait RayEngine: Debug + Send {
-    /// Which engine this is.
-    fn kind(&self) -> EngineKind;
+    /// The name of the engine, as on the command line.
+    fn name(&self) -> &str;
 
     /// Makes `geometry` the current frame. `changes` tells how it differs from the frame
     /// committed before; [`FrameChanges::all`] is always correct.
@@ -95,6 +95,14 @@ pub enum EngineError {
     /// No engine has this name.
     #[error("unknown engine \"{0}\"; there are: {names}", names = engine_names())]
     UnknownEngine(String),
+    /// The geometry holds something that this engine does not know.
+    #[error("the engine {engine} does not support {what}")]
+    Unsupported {
+        /// The engine.
+        engine: String,
+        /// What it does not know.
+        what: String,
+    },
 }
 
 fn engine_names() -> String {
@@ -112,6 +120,9 @@ pub struct CommitStats {
     pub degenerate_count: usize,
     /// Primitives whose data had to be written anew.
     pub rewritten_count: usize,
+    /// Nanoseconds spent on bringing geometry into the layout of a foreign library, which its own
+    /// users would not spend. Benchmarks subtract it; engines of this crate leave it 0.
+    pub conversion_ns: u64,
 }
 
 /// What tracing a batch took.
@@ -123,12 +134,23 @@ pub struct TraceStats {
     pub invalid_rays: u64,
     /// Sphere-cone tests, in SIMD lanes.
     pub cone_tests: u64,
+    /// Box tests, in SIMD lanes.
+    pub box_tests: u64,
     /// Ray-triangle tests, in SIMD lanes: sixteen a call, lanes without a ray or triangle included.
     pub triangle_tests: u64,
     /// Ray-sphere tests, in SIMD lanes.
     pub sphere_tests: u64,
     /// Rays handed to user primitives.
     pub user_tests: u64,
+    /// Candidate pairs of a group of rays and a primitive or group of primitives that an engine
+    /// wrote down for its next stage.
+    pub pairs: u64,
+    /// Bytes of primitives, bounds and candidate lists that tests read and stages wrote.
+    pub bytes: u64,
+    /// Nanoseconds spent on bringing rays and hits into and out of the layout of a foreign
+    /// library, which its own users would not spend. Benchmarks subtract it; engines of this
+    /// crate leave it 0.
+    pub conversion_ns: u64,
 }
 
 impl Add for TraceStats {
@@ -139,9 +161,13 @@ impl Add for TraceStats {
             rays: self.rays + other.rays,
             invalid_rays: self.invalid_rays + other.invalid_rays,
             cone_tests: self.cone_tests + other.cone_tests,
+            box_tests: self.box_tests + other.box_tests,
             triangle_tests: self.triangle_tests + other.triangle_tests,
             sphere_tests: self.sphere_tests + other.sphere_tests,
             user_tests: self.user_tests + other.user_tests,
+            pairs: self.pairs + other.pairs,
+            bytes: self.bytes + other.bytes,
+            conversion_ns: self.conversion_ns + other.conversion_ns,
         }
     }
 }

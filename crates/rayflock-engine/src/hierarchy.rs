@@ -115,8 +115,8 @@ impl HierarchyEngine {
 }
 
 impl RayEngine for HierarchyEngine {
-    fn kind(&self) -> EngineKind {
-        EngineKind::Hierarchy
+    fn name(&self) -> &str {
+        EngineKind::Hierarchy.name()
     }
 
     fn commit(

@@ -4,7 +4,8 @@ use rayflock::render::RayCounts;
 
 use super::SceneBench;
 use super::contestant::{Contestant, Sample};
-use crate::{Cell, Machine, Phase, Quartiles, RaysByKind, Record};
+use super::record::{Cell, Machine, Phase, RaysByKind, Record};
+use crate::Quartiles;
 
 /// Summarizes what was measured: `samples().len() == frames.len() * run_count` for each engine,
 /// run by run.

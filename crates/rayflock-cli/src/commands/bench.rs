@@ -6,8 +6,9 @@ use std::path::Path;
 use anyhow::{Context, Result, anyhow};
 use rayflock::render::RenderSettings;
 use rayflock::scene::Evaluator;
+use rayflock_bench::scene::record::Record;
 use rayflock_bench::scene::{self, SceneBench};
-use rayflock_bench::{Record, table};
+use rayflock_bench::table;
 
 use crate::args::{BenchArguments, BenchCommand, BenchSceneArguments};
 use crate::failure::{Blame, Failure};

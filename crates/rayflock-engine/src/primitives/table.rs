@@ -98,6 +98,7 @@ impl PrimitiveTable {
             non_finite_count: ignored.clone().map(|ignored| ignored.non_finite).sum(),
             degenerate_count: ignored.map(|ignored| ignored.degenerate).sum(),
             rewritten_count,
+            conversion_ns: 0,
         }
     }
 

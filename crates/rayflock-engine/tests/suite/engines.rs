@@ -25,7 +25,7 @@ impl Subject {
             }
             kind => panic!("tell the suite how to make the engine {kind} at a SIMD level"),
         };
-        assert_eq!(engine.kind(), kind);
+        assert_eq!(engine.name(), kind.name());
         Self { name: format!("{kind}, {simd}, {threads} threads"), engine, pool: pool(threads) }
     }
 
