@@ -27,14 +27,16 @@ impl Machine {
         let what = RefreshKind::nothing()
             .with_cpu(CpuRefreshKind::nothing())
             .with_memory(MemoryRefreshKind::nothing().with_ram());
-        let system = System::new_with_specifics(what);
-        let cpu = system.cpus().first().map_or("", |cpu| cpu.brand());
+        let system = System::new_with_specifics(what).ok();
+        let system = system.as_ref();
+        let cpu = system.and_then(|system| system.cpus().first()).map_or("", |cpu| cpu.brand());
+        let memory = system.map_or(0, System::total_memory);
         Self {
             os: std::env::consts::OS.to_owned(),
             arch: std::env::consts::ARCH.to_owned(),
             cpu: cpu.trim().to_owned(),
             cores: std::thread::available_parallelism().map_or(1, usize::from),
-            memory_gib: (system.total_memory() as f64 / f64::from(1 << 30)).round() as u64,
+            memory_gib: (memory as f64 / f64::from(1 << 30)).round() as u64,
             simd: SimdLevel::best().name().to_owned(),
         }
     }
