@@ -7,7 +7,7 @@ mod render;
 
 use anyhow::Context;
 
-use crate::args::{BenchCommand, Command};
+use crate::args::Command;
 use crate::failure::{Blame, Failure};
 
 /// Does what the user asked, on as many threads as the user allows.
@@ -16,9 +16,7 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Demo(args) => args.threads,
         Command::Render(args) => args.threads,
         Command::Info(_) => None,
-        Command::Bench(args) => match &args.command {
-            BenchCommand::Scene(args) => args.threads,
-        },
+        Command::Bench(args) => args.command.threads(),
     };
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.map_or(0, usize::from))
