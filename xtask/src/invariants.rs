@@ -14,13 +14,17 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 /// Which of our crates each of them may depend on.
-const ALLOWED: [(&str, &[&str]); 10] = [
+const ALLOWED: [(&str, &[&str]); 11] = [
     ("rayflock-geom", &[]),
     ("rayflock-scene", &["rayflock-geom"]),
     ("rayflock-engine", &["rayflock-geom"]),
     ("rayflock-import", &["rayflock-geom", "rayflock-scene"]),
     ("rayflock-render", &["rayflock-geom", "rayflock-scene", "rayflock-engine"]),
-    ("rayflock-testkit", &["rayflock-geom", "rayflock-engine", "rayflock-scene"]),
+    ("rayflock-oracle", &["rayflock-geom"]),
+    (
+        "rayflock-testkit",
+        &["rayflock-geom", "rayflock-engine", "rayflock-scene", "rayflock-oracle"],
+    ),
     (
         "rayflock",
         &[
@@ -31,7 +35,7 @@ const ALLOWED: [(&str, &[&str]); 10] = [
             "rayflock-render",
         ],
     ),
-    ("rayflock-bench", &["rayflock"]),
+    ("rayflock-bench", &["rayflock", "rayflock-oracle"]),
     ("rayflock-cli", &["rayflock", "rayflock-bench"]),
     ("xtask", &[]),
 ];

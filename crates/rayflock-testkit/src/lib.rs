@@ -26,10 +26,11 @@
 mod aim;
 pub mod cases;
 mod image_difference;
-pub mod oracle;
 pub mod rays;
 mod rng;
 pub mod scenes;
+
+pub use rayflock_oracle as oracle;
 
 pub use image_difference::{ImageDifference, image_difference};
 pub use rng::Rng;

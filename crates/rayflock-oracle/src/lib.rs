@@ -14,6 +14,20 @@
 //! that this may change is [`Verdict::Borderline`]; all else is certain.
 //!
 //! **Cost**: some 100 ns for a primitive and a ray.
+//!
+//! ```
+//! use glam::Vec3;
+//! use rayflock_geom::{Geometry, GeometryObject, Hit, Mesh, ObjectId, Ray};
+//! use rayflock_oracle::{Fault, Oracle};
+//!
+//! let corners = vec![Vec3::new(-1.0, -1.0, 2.0), Vec3::new(3.0, -1.0, 2.0), Vec3::new(0.0, 3.0, 2.0)];
+//! let mesh = Mesh::from_triangles(corners, vec![[0, 1, 2]])?;
+//! let oracle = Oracle::new(&Geometry::new(vec![GeometryObject::new(ObjectId(0), mesh)])?);
+//! let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+//! assert!(matches!(oracle.judge(&ray, &Hit::MISS), Err(Fault::Beaten { .. })));
+//! # Ok::<(), rayflock_geom::GeometryError>(())
+//! ```
+#![forbid(unsafe_code)]
 
 mod candidate;
 mod judge;
