@@ -1,8 +1,13 @@
 //! Why something cannot be measured.
 
+use std::io;
+use std::path::PathBuf;
+
 use rayflock::render::RenderError;
 use rayflock::scene::SceneError;
 use thiserror::Error;
+
+use crate::work::RayKind;
 
 /// Why something cannot be measured.
 #[derive(Debug, Error)]
@@ -27,4 +32,42 @@ pub enum BenchError {
         /// What is wrong with it.
         source: RenderError,
     },
+    /// No kind of rays has this name.
+    #[error("unknown kind of rays \"{0}\"; there are: {names}", names = kind_names())]
+    UnknownKind(String),
+    /// A count that is none.
+    #[error("found the count {0:?}, expected a whole number above 0, as it is or with K or M")]
+    Count(String),
+    /// A definition cannot be read.
+    #[error("{path}: cannot be read")]
+    ReadDefinition {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A definition is not TOML of the expected form.
+    #[error("{path}: {source}")]
+    DefinitionForm {
+        /// The file.
+        path: PathBuf,
+        /// Where and why.
+        source: Box<toml::de::Error>,
+    },
+    /// A definition says something that cannot be measured.
+    #[error("{path}: {key}: found {found}, expected {expected}")]
+    DefinitionValue {
+        /// The file.
+        path: PathBuf,
+        /// The key whose value is wrong, with its position in a list.
+        key: String,
+        /// The value.
+        found: String,
+        /// What it could be.
+        expected: String,
+    },
+}
+
+fn kind_names() -> String {
+    RayKind::ALL.map(RayKind::name).join(", ")
 }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`scene`] | you want to know what the frames of an animation cost with each engine |
 //! | [`record`] | you keep or compare what was measured |
+//! | [`work`] | you need the map's triangles and rays |
 //! | [`table`] | you read what was measured |
 //!
 //! Figures of one run are comparable with each other; those of two runs only as ratios.
@@ -39,6 +40,7 @@ mod quartiles;
 pub mod record;
 pub mod scene;
 pub mod table;
+pub mod work;
 
 pub use error::BenchError;
 pub use quartiles::Quartiles;

@@ -1,0 +1,51 @@
+//! One ray through the middle of each pixel, in tiles of 4 x 4 pixels.
+
+use rayflock::geom::RayOrder;
+use rayflock::prelude::{Vec3, View};
+use rayflock::scene::Projection;
+
+use super::super::ray_set::{Rays, Values};
+
+/// Pixels along the side of a tile.
+const TILE: usize = 4;
+
+/// The order of rays that stand for the pixels of an image.
+pub(super) const fn image_order([width, height]: [usize; 2]) -> RayOrder {
+    RayOrder::Image { width, height, tile: TILE }
+}
+
+/// The rays of a camera. Directions have unit length.
+pub(super) fn camera_rays(view: &View, size: [usize; 2]) -> Rays {
+    let axis = |v: Vec3| view.world_from_camera.transform_vector3(v);
+    let eye = Vec3::from(view.world_from_camera.translation);
+    let (right, up, ahead) = (axis(Vec3::X), axis(Vec3::Y), axis(Vec3::NEG_Z));
+    let [width, height] = size.map(|pixels| pixels as f32);
+    // Offset from the middle of the picture, in pictures' heights.
+    let film = |[x, y]: [usize; 2]| {
+        let (x, y) = (x as f32 + 0.5 - 0.5 * width, 0.5 * height - y as f32 - 0.5);
+        (right * x + up * y) / height
+    };
+    let (origin, direction) = match view.projection {
+        Projection::Perspective { vertical_fov } => {
+            let film_height = 2.0 * (0.5 * vertical_fov).tan();
+            let through = |pixel| (ahead + film(pixel) * film_height).normalize_or(ahead);
+            (Values::Uniform(eye), tiled_pixels(size).map(through).collect())
+        }
+        Projection::Orthographic { height: film_height } => {
+            let place = |pixel| eye + film(pixel) * film_height;
+            (tiled_pixels(size).map(place).collect(), Values::Uniform(ahead.normalize_or(ahead)))
+        }
+    };
+    Rays { origin, direction, t_max: Values::Uniform(f32::INFINITY), order: image_order(size) }
+}
+
+/// The pixels of an image, tile by tile; tiles are cut off at the right and the bottom.
+fn tiled_pixels([width, height]: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
+    let tiles = (0..height)
+        .step_by(TILE)
+        .flat_map(move |top| (0..width).step_by(TILE).map(move |left| [left, top]));
+    tiles.flat_map(move |[left, top]| {
+        let columns = left..(left + TILE).min(width);
+        (top..(top + TILE).min(height)).flat_map(move |y| columns.clone().map(move |x| [x, y]))
+    })
+}
