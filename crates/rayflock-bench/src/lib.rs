@@ -3,6 +3,7 @@
 //! | Part | Use it when |
 //! |---|---|
 //! | [`scene`] | you want to know what the frames of an animation cost with each engine |
+//! | [`EngineSpec`], [`peer`] | you want another engine than ours |
 //! | [`record`] | you keep or compare what was measured |
 //! | [`work`] | you need the map's triangles and rays |
 //! | [`table`] | you read what was measured |
@@ -35,12 +36,15 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod engine_spec;
 mod error;
+pub mod peer;
 mod quartiles;
 pub mod record;
 pub mod scene;
 pub mod table;
 pub mod work;
 
+pub use engine_spec::EngineSpec;
 pub use error::BenchError;
 pub use quartiles::Quartiles;

@@ -1,0 +1,124 @@
+//! Engines by name, ours and those of others.
+
+use std::fmt;
+use std::str::FromStr;
+
+use rayflock::engine::{self, EngineKind, RayEngine};
+
+use crate::peer::PeerError;
+use crate::peer::embree::{EmbreeEngine, EmbreeLibrary, Setting};
+use crate::peer::obvhs::ObvhsEngine;
+
+const EMBREE: &str = "embree";
+const BEST: &str = "best";
+const OBVHS: &str = "obvhs";
+
+/// An engine as it is asked for: `hierarchy`, `embree`, `embree:low+instances+packets`,
+/// `embree:best`, `obvhs`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum EngineSpec {
+    /// One of ours.
+    Own(EngineKind),
+    /// Embree, used in this way.
+    Embree(Setting),
+    /// Embree in the way that is best for the work, found by trying.
+    EmbreeBest,
+    /// The library obvhs.
+    Obvhs,
+}
+
+impl EngineSpec {
+    /// Makes the engine with an empty frame. `library` is needed by Embree only; without it, it is
+    /// looked for.
+    ///
+    /// # Errors
+    /// [`PeerError`] when Embree cannot be had, and for [`Self::EmbreeBest`], which is no engine
+    /// but a contest.
+    pub fn create(&self, library: Option<&EmbreeLibrary>) -> Result<Box<dyn RayEngine>, PeerError> {
+        match *self {
+            Self::Own(kind) => Ok(engine::create(kind)),
+            Self::Embree(setting) => {
+                let library = library.cloned().map_or_else(|| EmbreeLibrary::load(None), Ok)?;
+                Ok(Box::new(EmbreeEngine::new(&library, setting)?))
+            }
+            Self::EmbreeBest => Err(PeerError::BestOutsideBenchmark),
+            Self::Obvhs => Ok(Box::new(ObvhsEngine::new())),
+        }
+    }
+
+    /// Whether the engine needs the library Embree.
+    pub const fn needs_embree(&self) -> bool {
+        matches!(self, Self::Embree(_) | Self::EmbreeBest)
+    }
+}
+
+impl From<EngineKind> for EngineSpec {
+    fn from(kind: EngineKind) -> Self {
+        Self::Own(kind)
+    }
+}
+
+impl fmt::Display for EngineSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Own(kind) => write!(f, "{kind}"),
+            Self::Embree(setting) => write!(f, "{EMBREE}:{setting}"),
+            Self::EmbreeBest => write!(f, "{EMBREE}:{BEST}"),
+            Self::Obvhs => f.write_str(OBVHS),
+        }
+    }
+}
+
+impl FromStr for EngineSpec {
+    type Err = PeerError;
+
+    fn from_str(text: &str) -> Result<Self, PeerError> {
+        match text.split_once(':') {
+            None if text == EMBREE => Ok(Self::Embree(Setting::default())),
+            None if text == OBVHS => Ok(Self::Obvhs),
+            Some((EMBREE, BEST)) => Ok(Self::EmbreeBest),
+            Some((EMBREE, setting)) => setting.parse().map(Self::Embree),
+            _ => text
+                .parse()
+                .map(Self::Own)
+                .map_err(|_: engine::EngineError| PeerError::UnknownEngine(text.to_owned())),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<EngineSpec, PeerError> {
+        text.parse()
+    }
+
+    #[test]
+    fn names_are_parsed_as_they_are_printed() {
+        let own = EngineKind::ALL.map(EngineSpec::Own);
+        let embree = Setting::all().into_iter().map(EngineSpec::Embree);
+        let others = [EngineSpec::EmbreeBest, EngineSpec::Obvhs];
+        for spec in own.into_iter().chain(embree).chain(others) {
+            assert_eq!(parse(&spec.to_string()), Ok(spec));
+        }
+        assert_eq!(parse("embree"), Ok(EngineSpec::Embree(Setting::default())));
+    }
+
+    #[test]
+    fn unknown_names_are_told_which_there_are() {
+        for text in ["warp", "obvhs:fast", "embre:best", ""] {
+            let message = parse(text).unwrap_err().to_string();
+            assert!(message.contains(&format!("\"{text}\"")), "{message}");
+            assert!(message.contains("hierarchy, embree, embree:SETTING"), "{message}");
+        }
+        assert!(parse("embree:bset").unwrap_err().to_string().contains("\"bset\""));
+    }
+
+    #[test]
+    fn the_best_setting_is_no_engine() {
+        let error = EngineSpec::EmbreeBest.create(None).unwrap_err();
+        assert_eq!(error, PeerError::BestOutsideBenchmark);
+        assert!(EngineSpec::EmbreeBest.needs_embree() && !EngineSpec::Obvhs.needs_embree());
+    }
+}

@@ -1,0 +1,97 @@
+//! Why an engine of others cannot be had.
+
+use std::path::PathBuf;
+
+use rayflock::engine::EngineKind;
+use thiserror::Error;
+
+/// Why an engine of others cannot be had.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum PeerError {
+    /// The text names no engine.
+    #[error(
+        "unknown engine \"{0}\"; there are: {own}, embree, embree:SETTING, embree:best, obvhs",
+        own = EngineKind::ALL.map(EngineKind::name).join(", ")
+    )]
+    UnknownEngine(String),
+    /// A word of a setting is not known.
+    #[error(
+        "\"{word}\" in the setting \"{setting}\" of Embree is not known; expected words joined by \
+         +: low, medium or refit; kept, instances or merged; single or packets; coherent; robust"
+    )]
+    SettingWord {
+        /// The word.
+        word: String,
+        /// The whole setting.
+        setting: String,
+    },
+    /// Words of a setting contradict each other.
+    #[error("the setting \"{setting}\" of Embree says both \"{first}\" and \"{second}\"")]
+    SettingConflict {
+        /// The whole setting.
+        setting: String,
+        /// One word.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+    },
+    /// The best setting was asked for where none can be tried.
+    #[error(
+        "embree:best is found by trying every setting, which only benchmarks do; give one, such \
+         as embree:low+instances+packets"
+    )]
+    BestOutsideBenchmark,
+    /// There is no library.
+    #[error(
+        "the library Embree 4 was not found; `cargo xtask embree` fetches it, and EMBREE_LIB or \
+         --embree-lib say where it is; looked in: {places}",
+        places = places(looked_in)
+    )]
+    LibraryNotFound {
+        /// Where it was looked for.
+        looked_in: Vec<PathBuf>,
+    },
+    /// The file is not a library that this program can load.
+    #[error("{path}: cannot be loaded as Embree: {reason}", path = path.display())]
+    NotALibrary {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
+    /// The library was made for another processor.
+    #[error(
+        "{path}: found a library for {found}, expected one for {expected}",
+        path = path.display()
+    )]
+    Architecture {
+        /// The file.
+        path: PathBuf,
+        /// The architecture of the file.
+        found: String,
+        /// The architecture of this program.
+        expected: &'static str,
+    },
+    /// The library is of another version.
+    #[error("{path}: found Embree {found}, expected 4.0.0 or newer, below 5", path = path.display())]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// The version of the library.
+        found: String,
+    },
+    /// The library refuses to work.
+    #[error("{path}: Embree cannot be started: {reason}", path = path.display())]
+    Device {
+        /// The file.
+        path: PathBuf,
+        /// What the library says.
+        reason: String,
+    },
+}
+
+fn places(looked_in: &[PathBuf]) -> String {
+    let places: Vec<_> = looked_in.iter().map(|path| path.display().to_string()).collect();
+    places.join(", ")
+}
