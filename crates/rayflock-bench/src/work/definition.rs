@@ -201,3 +201,6 @@ impl Camera {
         View::new(world_from_camera, Projection::Perspective { vertical_fov })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -48,9 +48,16 @@ const SWITCHED_OFF: f32 = -1.0;
 /// The cosine from the zenith down to which there are suns.
 const LOWEST_SUN: f32 = 0.3;
 
-/// The size in pixels of the image of about `count` rays that is nearest to a square.
+/// The size in pixels of an image of `count` rays: the squarest of them, up to twice as wide as
+/// high; where there is none, the nearest to a square of about as many.
 pub fn image_size(count: usize) -> [usize; 2] {
-    let width = (count as f64).sqrt().round().max(1.0);
+    let side = (count as f64).sqrt();
+    let widths = side.ceil().max(1.0) as usize..=(2.0 * side) as usize;
+    let exact = widths.into_iter().find(|&width| count.is_multiple_of(width));
+    if let Some(width) = exact.filter(|_| count > 0) {
+        return [width, count / width];
+    }
+    let width = side.round().max(1.0);
     [width as usize, (count as f64 / width).round().max(1.0) as usize]
 }
 
@@ -189,3 +196,6 @@ fn reach(points: &[SurfacePoint], t_max: f32) -> Values<f32> {
     }
     points.iter().map(|point| if point.is_there { t_max } else { SWITCHED_OFF }).collect()
 }
+
+#[cfg(test)]
+mod tests;

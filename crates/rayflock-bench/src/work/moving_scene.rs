@@ -88,3 +88,110 @@ impl MovingScene {
         self.view
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vertices(geometry: &Geometry) -> &[Vec3] {
+        geometry.object(MovingScene::MOVING).unwrap().shape.vertices()
+    }
+
+    fn scene(triangles: usize) -> MovingScene {
+        MovingScene::new(&Definition::default_map(), triangles)
+    }
+
+    #[test]
+    fn areas_add_up_at_every_key() {
+        for count in [1 << 10, 1 << 14] {
+            let scene = scene(count);
+            for key in 0..=4 {
+                let geometry = scene.geometry(32.0 * f64::from(key));
+                let corners = vertices(&geometry).chunks_exact(3);
+                let total: f32 = corners.map(|c| surfaces::area([c[0], c[1], c[2]])).sum();
+                assert!((total / 60.0 - 1.0).abs() < 0.02, "{total} at key {key}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_vertex_moves_between_any_two_measured_frames() {
+        let definition = Definition::default_map();
+        let scene = scene(1 << 10);
+        let phases = definition.phases.iter();
+        let times: Vec<f64> =
+            phases.flat_map(|p| p.frames.iter().copied().chain([p.before])).collect();
+        assert_eq!(times.len(), 6);
+        for (idx, &time) in times.iter().enumerate() {
+            for &other in &times[..idx] {
+                let (a, b) = (scene.geometry(time), scene.geometry(other));
+                let moved = |(a, b): (&Vec3, &Vec3)| a.distance(*b) > 1e-4;
+                let count = vertices(&a).iter().zip(vertices(&b)).filter(|&p| moved(p)).count();
+                assert_eq!(count, 3 << 10, "{time} and {other}");
+            }
+        }
+    }
+
+    #[test]
+    fn neighbours_in_one_shape_are_none_in_the_next() {
+        let scene = scene(1 << 10);
+        let keys: Vec<Geometry> = (0..4).map(|key| scene.geometry(32.0 * f64::from(key))).collect();
+        let place = |key: usize, idx: usize| vertices(&keys[key])[3 * idx];
+        let mean = |key: usize, pairs: &mut dyn Iterator<Item = (usize, usize)>| {
+            let lengths: Vec<f32> =
+                pairs.map(|(a, b)| place(key, a).distance(place(key, b))).collect();
+            lengths.iter().sum::<f32>() / lengths.len() as f32
+        };
+        let nearest = |key: usize, idx: usize| {
+            let others = (0..1 << 10).filter(|&other| other != idx);
+            let distance = |other: usize| place(key, idx).distance(place(key, other));
+            others.min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap()
+        };
+        for key in 0..4 {
+            let next = (key + 1) % 4;
+            let strangers = mean(next, &mut (0..512).map(|idx| (idx, idx + 512)));
+            let neighbours = mean(next, &mut (0..1 << 10).map(|idx| (idx, nearest(key, idx))));
+            assert!(neighbours > 0.85 * strangers, "{neighbours} of {strangers} at key {next}");
+            // Nor are neighbours in memory any nearer than strangers.
+            let in_memory = mean(key, &mut (1..1 << 10).map(|idx| (idx - 1, idx)));
+            let strangers = mean(key, &mut (0..512).map(|idx| (idx, idx + 512)));
+            assert!(in_memory > 0.85 * strangers, "{in_memory} of {strangers} at key {key}");
+        }
+    }
+
+    #[test]
+    fn a_seed_names_one_scene() {
+        let mut definition = Definition::default_map();
+        let at = |definition: &Definition, time| {
+            vertices(&MovingScene::new(definition, 64).geometry(time)).to_vec()
+        };
+        let times = [0.0, 32.0, 64.0, 96.0];
+        let before = times.map(|time| at(&definition, time));
+        assert_eq!(before, times.map(|time| at(&definition, time)));
+        definition.seed += 1;
+        for (time, before) in times.into_iter().zip(before) {
+            assert_ne!(at(&definition, time), before, "at {time}");
+        }
+    }
+
+    #[test]
+    fn meshes_are_shared_as_far_as_they_stay() {
+        let scene = scene(16);
+        let (a, b) = (scene.geometry(3.0), scene.geometry(3.0));
+        let shape = |geometry: &Geometry, id| Arc::clone(&geometry.object(id).unwrap().shape);
+        assert!(Arc::ptr_eq(&shape(&a, MovingScene::ROOM), &shape(&b, MovingScene::ROOM)));
+        let moving = [&a, &b].map(|geometry| shape(geometry, MovingScene::MOVING));
+        assert!(!Arc::ptr_eq(&moving[0], &moving[1]));
+        assert!(moving[0].has_topology_of(&moving[1]));
+    }
+
+    #[test]
+    fn motion_is_straight_and_repeats_after_four_keys() {
+        let scene = scene(16);
+        let vertex = |time| vertices(&scene.geometry(time))[7];
+        assert_eq!(vertex(128.0), vertex(0.0));
+        assert_eq!(vertex(-32.0), vertex(96.0));
+        assert!(vertex(16.0).abs_diff_eq(vertex(0.0).midpoint(vertex(32.0)), 1e-5));
+        assert!(vertex(120.0).abs_diff_eq(vertex(96.0).lerp(vertex(0.0), 0.75), 1e-5));
+    }
+}

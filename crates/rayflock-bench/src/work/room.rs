@@ -70,3 +70,47 @@ impl Grid<'_> {
         Vec3::new(x * (share(0) - 0.5), y * share(1), z * (share(2) - 0.5))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use super::*;
+
+    fn small() -> Room {
+        Room { size: [3.0, 2.0, 4.0], cells: [7, 3, 5], skylight: 3 }
+    }
+
+    #[test]
+    fn the_room_of_the_map_has_the_stated_number_of_triangles() {
+        let definition = super::super::Definition::default_map();
+        assert_eq!(build(&definition.room).triangles().len(), 9_952);
+    }
+
+    #[test]
+    fn it_is_closed_but_for_the_skylight() {
+        let mesh = build(&small());
+        let bits = |vertex: u32| mesh.vertices()[vertex as usize].to_array().map(f32::to_bits);
+        let mut edges = HashMap::new();
+        for corners in mesh.triangles() {
+            for (from, to) in [(0, 1), (1, 2), (2, 0)] {
+                let mut edge = [bits(corners[from]), bits(corners[to])];
+                edge.sort_unstable();
+                *edges.entry(edge).or_insert(0) += 1;
+            }
+        }
+        assert!(edges.values().all(|&count| count <= 2));
+        let open: Vec<_> = edges.iter().filter(|&(_, &count)| count == 1).collect();
+        assert_eq!(open.len(), 4 * 3);
+        for ([from, to], _) in open {
+            assert!([from, to].iter().all(|corner| corner[1] == 2.0_f32.to_bits()));
+        }
+    }
+
+    #[test]
+    fn it_stands_on_the_floor_around_the_origin() {
+        let bounds = build(&small()).bounds();
+        assert_eq!(bounds.min, Vec3::new(-1.5, 0.0, -2.0));
+        assert_eq!(bounds.max, Vec3::new(1.5, 2.0, 2.0));
+    }
+}

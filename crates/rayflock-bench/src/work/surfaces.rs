@@ -136,3 +136,109 @@ fn cut(face: Corners, count: usize, triangles: &mut Vec<Corners>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHAPES: Shapes = Shapes {
+        frames_apart: 32.0,
+        area: 60.0,
+        center: [1.0, 2.0, 3.0],
+        cloud_radius: 3.0,
+        pyramid_height: 1.0,
+    };
+    const COUNTS: [usize; 6] = [1, 16, 1000, 1024, 4099, 16384];
+
+    fn all(count: usize) -> [(&'static str, Vec<Corners>); 4] {
+        [
+            ("cloud", cloud(&SHAPES, count, &mut Random::new(1))),
+            ("pyramid", pyramid(&SHAPES, count)),
+            ("sphere", sphere(&SHAPES, count)),
+            ("plane", plane(&SHAPES, count)),
+        ]
+    }
+
+    fn total(triangles: &[Corners]) -> f32 {
+        sum(triangles.iter().map(|&corners| area(corners)))
+    }
+
+    #[test]
+    fn every_shape_has_exactly_as_many_triangles_as_asked_for() {
+        for count in COUNTS {
+            for (name, triangles) in all(count) {
+                assert_eq!(triangles.len(), count, "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn areas_add_up_and_are_nearly_equal() {
+        for count in [1000, 1024, 4099, 16384] {
+            for (name, triangles) in all(count) {
+                assert!((total(&triangles) / 60.0 - 1.0).abs() < 1e-3, "{name}");
+                let mean = 60.0 / count as f32;
+                let off = |&corners: &Corners| (area(corners) / mean - 1.0).abs();
+                let worst = triangles.iter().map(off).fold(0.0, f32::max);
+                let allowed = if name == "sphere" { 0.2 } else { 0.05 };
+                assert!(worst < allowed, "{name} of {count}: {worst}");
+            }
+        }
+    }
+
+    #[test]
+    fn triangles_are_no_slivers() {
+        for (name, triangles) in all(16384) {
+            for corners in triangles {
+                let [a, b, c] = corners;
+                let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+                let height = 2.0 * area(corners) / longest;
+                assert!(height > 0.1 * longest, "{name}: {corners:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn corners_lie_where_the_shape_is() {
+        let center = Vec3::from(SHAPES.center);
+        let corners = |triangles: Vec<Corners>| triangles.into_flattened().into_iter();
+        for corner in corners(sphere(&SHAPES, 4096)) {
+            // 4 pi r^2 = 60; what flat triangles lack makes r a little larger.
+            assert!((corner.distance(center) / 2.1851 - 1.0).abs() < 2e-3);
+        }
+        for corner in corners(plane(&SHAPES, 4096)) {
+            let offset = (corner - center).abs();
+            assert!(offset.y == 0.0 && offset.max_element() <= 0.5 * 60.0_f32.sqrt() + 1e-5);
+        }
+        for corner in corners(cloud(&SHAPES, 4096, &mut Random::new(1))) {
+            assert!(corner.distance(center) < SHAPES.cloud_radius + 0.12);
+        }
+    }
+
+    #[test]
+    fn the_mapping_of_the_sphere_keeps_areas() {
+        // As many triangles in every eighth of the height: zones of equal height have equal area.
+        let triangles = sphere(&SHAPES, 16384);
+        let radius = (60.0 / (2.0 * std::f32::consts::TAU)).sqrt();
+        let mut zones = [0; 8];
+        for [a, b, c] in triangles {
+            let height = (a.y + b.y + c.y) / 3.0 - SHAPES.center[1];
+            zones[((height / radius + 1.0) * 4.0).clamp(0.0, 7.0) as usize] += 1;
+        }
+        assert!(zones.iter().all(|&count| (1800..2300).contains(&count)), "{zones:?}");
+    }
+
+    #[test]
+    fn triangles_of_the_cloud_are_equilateral_and_everywhere_in_the_ball() {
+        let triangles = cloud(&SHAPES, 16384, &mut Random::new(1));
+        let mut inside = 0;
+        for [a, b, c] in &triangles {
+            let sides = [a.distance(*b), b.distance(*c), c.distance(*a)];
+            assert!(sides.iter().all(|side| (side / sides[0] - 1.0).abs() < 1e-3));
+            let middle = (a + b + c) / 3.0 - Vec3::from(SHAPES.center);
+            inside += usize::from(middle.length() < 0.5 * SHAPES.cloud_radius);
+        }
+        let share = inside as f32 / triangles.len() as f32;
+        assert!((share - 0.125).abs() < 0.01, "{share}");
+    }
+}

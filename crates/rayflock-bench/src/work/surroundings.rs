@@ -29,8 +29,10 @@ pub struct Surroundings {
 
 impl Surroundings {
     /// Surroundings for any scene: its first lights, or others in usual places, and lengths that
-    /// suit `bounds`.
+    /// suit `bounds` (where those are empty, a box of edge 2).
     pub fn of_scene(bounds: &Aabb, view: View, lights: &[LightKind]) -> Self {
+        let unit_box = Aabb { min: -Vec3::ONE, max: Vec3::ONE };
+        let bounds = if bounds.is_empty() { &unit_box } else { bounds };
         let (center, size) = (bounds.center(), bounds.size());
         let diagonal = size.length().max(f32::MIN_POSITIVE);
         let point_light = lights
@@ -70,5 +72,54 @@ fn direction_to(light: &LightKind) -> Option<Vec3> {
     match light {
         LightKind::Directional { direction, .. } => (-*direction).try_normalize(),
         LightKind::Point { .. } | LightKind::Spot { .. } => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rayflock::prelude::Affine3A;
+    use rayflock::scene::Falloff;
+
+    use super::*;
+
+    const BOUNDS: Aabb = Aabb { min: Vec3::ZERO, max: Vec3::new(10.0, 4.0, 8.0) };
+
+    fn view(projection: Projection) -> View {
+        View::new(Affine3A::from_translation(Vec3::new(5.0, 2.0, 14.0)), projection)
+    }
+
+    #[test]
+    fn a_scene_brings_its_first_light_of_each_kind() {
+        let point = |x| LightKind::Point {
+            position: Vec3::new(x, 0.0, 0.0),
+            intensity: Vec3::ONE,
+            falloff: Falloff::InverseSquare,
+        };
+        let sun = LightKind::Directional { direction: -2.0 * Vec3::Z, irradiance: Vec3::ONE };
+        let view = view(Projection::Orthographic { height: 3.0 });
+        let found = Surroundings::of_scene(&BOUNDS, view, &[sun, point(1.0), point(2.0)]);
+        assert_eq!((found.point_light, found.to_sun), (Vec3::X, Vec3::Z));
+        assert_eq!(found.film_height, 3.0);
+    }
+
+    #[test]
+    fn a_scene_without_lights_gets_some_in_usual_places() {
+        let vertical_fov = std::f32::consts::FRAC_PI_2;
+        let view = view(Projection::Perspective { vertical_fov });
+        let found = Surroundings::of_scene(&BOUNDS, view, &[]);
+        let above = found.point_light - BOUNDS.center();
+        assert!(above.y > 0.0 && found.point_light.y < BOUNDS.max.y);
+        assert!((found.to_sun.length() - 1.0).abs() < 1e-6 && found.to_sun.y > 0.0);
+        // A right angle from 10 in front of the middle.
+        assert!((found.film_height - 20.0).abs() < 1e-4);
+        assert!(found.offset > 0.0 && found.offset < 1e-3 * BOUNDS.size().length());
+    }
+
+    #[test]
+    fn an_empty_scene_gives_numbers_that_can_be_traced() {
+        let view = view(Projection::Orthographic { height: 3.0 });
+        let found = Surroundings::of_scene(&Aabb::EMPTY, view, &[]);
+        assert!(found.point_light.is_finite() && found.lidar.is_finite(), "{found:?}");
+        assert!(found.offset >= 0.0 && found.ao_reach > 0.0);
     }
 }
