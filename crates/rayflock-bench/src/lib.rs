@@ -2,7 +2,7 @@
 //!
 //! | Part | Use it when |
 //! |---|---|
-//! | [`scene`] | you want to know what the frames of an animation cost with each engine |
+//! | [`museum`] | you want to know what the frames of an animation cost with each engine |
 //! | [`EngineSpec`], [`peer`] | you want another engine than ours |
 //! | [`record`] | you keep or compare what was measured |
 //! | [`work`] | you need the map's triangles and rays |
@@ -15,10 +15,10 @@
 //!
 //! use rayflock::engine::EngineKind;
 //! use rayflock::prelude::*;
-//! use rayflock_bench::scene::{self, SceneBench};
+//! use rayflock_bench::museum::{self, MuseumBench};
 //!
 //! let scene = Arc::new(rayflock::scene::builtin::build("cornell").ok_or("no such scene")?);
-//! let bench = SceneBench {
+//! let bench = MuseumBench {
 //!     name: "cornell".to_owned(),
 //!     engines: vec![EngineKind::Brute, EngineKind::Hierarchy],
 //!     frames: vec![0, 60],
@@ -29,8 +29,8 @@
 //! };
 //! let mut evaluator = Evaluator::new(Arc::clone(&scene), None)?;
 //! let view = |frame: &SceneFrame| View::new(frame.cameras[0], scene.cameras[0].projection);
-//! let record = scene::measure(&bench, &mut evaluator, &view, &mut || ())?;
-//! assert!(record.same_films());
+//! let record = museum::measure(&bench, &mut evaluator, &view, &mut || ())?;
+//! assert!(record.cells.iter().all(|cell| cell.mismatches == 0));
 //! println!("{}", rayflock_bench::table::format(&record));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -38,10 +38,10 @@
 
 mod engine_spec;
 mod error;
+pub mod museum;
 pub mod peer;
 mod quartiles;
 pub mod record;
-pub mod scene;
 pub mod table;
 pub mod work;
 

@@ -1,20 +1,20 @@
-//! A record as text: a row for each frame and engine, a row for the mean of each engine, and a
-//! few lines on what they say together.
+//! A record of pictures as text: a row for each frame and engine, a row for the mean of each
+//! engine, and a few lines on what they say together.
 
 use std::fmt::Write;
 
 use comfy_table::{CellAlignment, Table, presets};
 
-use crate::scene::record::{Cell, Phase, Record};
+use crate::record::{Cell, Counters, Phase, Record};
 
 const HEADER: [&str; 9] = [
     "frame",
     "engine",
     "update ms",
     "trace ms",
+    "shade ms",
     "total ms",
     "quartiles",
-    "ratio",
     "triangle tests/ray",
     "cone tests/ray",
 ];
@@ -25,7 +25,8 @@ pub fn format(record: &Record) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(HEADER);
     for idx in 0..first.phases.len() {
-        table.add_rows(record.cells.iter().map(|cell| phase_row(cell, &cell.phases[idx])));
+        let phases = record.cells.iter().filter_map(|cell| Some((cell, cell.phases.get(idx)?)));
+        table.add_rows(phases.map(|(cell, phase)| phase_row(cell, phase)));
     }
     table.add_rows(record.cells.iter().map(mean_row));
     for column in table.column_iter_mut() {
@@ -36,41 +37,45 @@ pub fn format(record: &Record) -> String {
 }
 
 fn title(record: &Record, first: &Cell) -> String {
-    let Cell { scene, size: [width, height], threads, triangles, .. } = first;
-    let (runs, simd) = (record.run_count, record.machine.simd);
-    format!(
-        "{scene}: {triangles} triangles, {width}x{height}, {threads} threads, {simd}, {runs} runs"
-    )
+    let Cell { scene, threads, triangles, .. } = first;
+    format!("{scene}: {triangles} triangles, {threads} threads, {}", record.machine.simd)
 }
 
 fn phase_row(cell: &Cell, phase: &Phase) -> [String; 9] {
     let [lower, upper] = phase.total_quartiles_ms.map(milliseconds);
-    let per_ray = |tests: u64| format!("{:.1}", tests as f64 / phase.rays.max(1) as f64);
+    let [triangle_tests, cone_tests] = per_ray(&phase.counters, phase.rays);
     [
-        phase.frame.to_string(),
-        cell.engine.to_owned(),
+        phase.frame.map_or_else(|| phase.name.clone(), |frame| frame.to_string()),
+        cell.engine.clone(),
         milliseconds(phase.commit_ms),
         milliseconds(phase.trace_ms),
+        phase.shade_ms.map_or_else(String::new, milliseconds),
         milliseconds(phase.total_ms),
         format!("{lower}..{upper}"),
-        format!("{:.4}", phase.ratio),
-        per_ray(phase.triangle_tests),
-        per_ray(phase.cone_tests),
+        triangle_tests,
+        cone_tests,
     ]
 }
 
 fn mean_row(cell: &Cell) -> [String; 9] {
+    let [triangle_tests, cone_tests] = per_ray(&cell.counters, cell.rays);
+    let optional = |value: Option<f64>| value.map_or_else(String::new, milliseconds);
     [
         "mean".to_owned(),
-        cell.engine.to_owned(),
-        milliseconds(cell.commit_ms),
-        milliseconds(cell.trace_ms),
-        milliseconds(cell.total_ms),
+        cell.engine.clone(),
+        optional(cell.commit_ms),
+        optional(cell.trace_ms),
+        String::new(),
+        optional(cell.total_ms),
         format!("spread {:.0}%", 100.0 * cell.spread),
-        format!("{:.4}", cell.ratio),
-        format!("{:.1}", cell.triangle_tests_per_ray),
-        format!("{:.1}", cell.cone_tests_per_ray),
+        triangle_tests,
+        cone_tests,
     ]
+}
+
+fn per_ray(counters: &Counters, rays: u64) -> [String; 2] {
+    [counters.triangle_tests, counters.cone_tests]
+        .map(|tests| format!("{:.1}", tests as f64 / rays.max(1) as f64))
 }
 
 /// Two digits behind the point while they say something.
@@ -80,23 +85,12 @@ fn milliseconds(value: f64) -> String {
 
 fn summary(record: &Record, first: &Cell) -> String {
     let mut text = String::new();
-    for cell in &record.cells {
-        let (engine, rays, kinds) = (cell.engine, cell.rays, cell.rays_by_kind);
+    for cell in record.cells.iter().skip(1) {
+        let (engine, than) = (&cell.engine, &first.engine);
+        let (Some(total), Some(first_total)) = (cell.total_ms, first.total_ms) else { continue };
+        let ratio = if total > 0.0 { first_total / total } else { 1.0 };
         // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{engine}: {rays:.0} rays a frame: {:.0} primary, {:.0} shadow, {:.0} mirror, {:.0} \
-             refraction",
-            kinds.primary, kinds.shadow, kinds.mirror, kinds.refraction
-        );
-    }
-    for cell in record.cells.iter().skip(1).filter(|cell| cell.ratio > 0.0) {
-        let (engine, ratio, than) = (cell.engine, cell.ratio, first.engine);
-        let _ = writeln!(
-            text,
-            "{engine} takes {ratio:.4} of the time of {than}: {:.1} times as fast",
-            1.0 / ratio
-        );
+        let _ = writeln!(text, "{engine} is {ratio:.1} times as fast as {than}");
     }
     for cell in record.cells.iter().skip(1) {
         let _ = writeln!(text, "{}", films(cell, first));
@@ -106,7 +100,7 @@ fn summary(record: &Record, first: &Cell) -> String {
 
 fn films(cell: &Cell, first: &Cell) -> String {
     let engines = format!("films of {} and {}", first.engine, cell.engine);
-    match cell.differing_pixels {
+    match cell.mismatches {
         0 => format!("{engines}: the same in every bit"),
         count => format!("{engines}: {count} PIXELS DIFFER"),
     }

@@ -15,7 +15,7 @@ use rayflock::render::tonemap::ToneMap;
 use crate::frames::FrameRange;
 use crate::size::Size;
 
-pub(crate) use bench::{BenchArguments, BenchCommand, BenchSceneArguments};
+pub(crate) use bench::{BenchArguments, BenchCommand, BenchMuseumArguments, OutputArguments};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -1,10 +1,12 @@
 //! Options of `bench`, one subcommand a file.
 
 mod museum;
+mod output;
 
 use clap::{Args, Subcommand};
 
-pub(crate) use museum::BenchSceneArguments;
+pub(crate) use museum::BenchMuseumArguments;
+pub(crate) use output::OutputArguments;
 
 /// Options of `bench`.
 #[derive(Debug, Args)]
@@ -17,15 +19,15 @@ pub(crate) struct BenchArguments {
 /// What can be measured.
 #[derive(Debug, Subcommand)]
 pub(crate) enum BenchCommand {
-    /// Measure what the frames of an animation cost with each engine.
-    Scene(BenchSceneArguments),
+    /// Measure update, trace and shade time of the pictures of an animation with each engine.
+    Museum(BenchMuseumArguments),
 }
 
 impl BenchCommand {
     /// Threads the user allows.
     pub(crate) fn threads(&self) -> Option<u16> {
         match self {
-            Self::Scene(args) => args.threads,
+            Self::Museum(args) => args.threads,
         }
     }
 }

@@ -1,14 +1,15 @@
-//! `bench scene`.
+//! `bench museum`.
 
 use serde_json::Value;
 
 use crate::Workplace;
 
 #[test]
-fn bench_scene_compares_engines_frame_by_frame() {
+fn bench_museum_compares_engines_frame_by_frame() {
     let work = Workplace::new();
     let run = work.run_quietly(
-        "bench scene builtin:cornell --size 16x12 --frames 3..4 --runs 2 --threads 2 --json b.json",
+        "bench museum builtin:cornell --engines brute,hierarchy --size 16x12 --frames 3..4 \
+         --runs 2 --threads 2 --json b.json",
     );
     let films = "films of brute and hierarchy: the same in every bit";
     assert!(run.stdout.contains(films), "{}", run.stdout);
@@ -16,52 +17,52 @@ fn bench_scene_compares_engines_frame_by_frame() {
     assert!(rows("brute") >= 3 && rows("hierarchy") >= 3, "frames and mean: {}", run.stdout);
 
     let record: Value = serde_json::from_slice(&work.read("b.json")).unwrap();
-    assert_eq!(record["run_count"], 2);
+    assert_eq!(record["benchmark"], "museum");
     let [brute, hierarchy] = &record["cells"].as_array().unwrap()[..] else {
         panic!("two engines: {record}")
     };
-    assert_eq!((&brute["engine"], &brute["ratio"]), (&"brute".into(), &1.0.into()));
-    assert_eq!(hierarchy["engine"], "hierarchy");
-    assert_eq!(brute["rays_by_kind"], hierarchy["rays_by_kind"]);
+    assert_eq!((&brute["engine"], &hierarchy["engine"]), (&"brute".into(), &"hierarchy".into()));
+    assert_eq!(brute["rays"], hierarchy["rays"]);
     for cell in [brute, hierarchy] {
         check_cell(cell);
         cell["phases"].as_array().unwrap().iter().for_each(check_phase);
     }
-    let tests = |cell: &Value| cell["triangle_tests_per_ray"].as_f64().unwrap();
+    let tests = |cell: &Value| cell["counters"]["triangle_tests"].as_u64().unwrap();
     assert!(tests(hierarchy) < tests(brute), "the hierarchy saves tests");
 }
 
 fn check_cell(cell: &Value) {
-    assert_eq!((&cell["threads"], &cell["differing_pixels"]), (&2.into(), &0.into()));
-    assert_eq!(cell["rays_by_kind"]["primary"], 16.0 * 12.0);
+    assert_eq!((&cell["threads"], &cell["mismatches"]), (&2.into(), &0.into()));
     let frames = [&cell["phases"][0]["frame"], &cell["phases"][1]["frame"]];
     assert_eq!(frames, [&Value::from(3), &Value::from(4)]);
     assert!(cell["phases"][2].is_null(), "two frames");
 }
 
 fn check_phase(phase: &Value) {
+    assert_eq!((&phase["rounds"], &phase["rays_by_kind"]["primary"]), (&2.into(), &192.into()));
     let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
-    let [commit, trace, total] = ["commit_ms", "trace_ms", "total_ms"].map(|f| number(&phase[f]));
-    assert!(commit > 0.0 && trace > 0.0 && total >= commit.max(trace), "{phase}");
+    let [commit, trace, shade, total] =
+        ["commit_ms", "trace_ms", "shade_ms", "total_ms"].map(|field| number(&phase[field]));
+    assert!(commit > 0.0 && trace > 0.0 && shade > 0.0 && total >= commit.max(trace), "{phase}");
     let [lower, upper] = [0, 1].map(|idx| number(&phase["total_quartiles_ms"][idx]));
     assert!(lower <= total && total <= upper, "{phase}");
 }
 
 #[test]
-fn bench_scene_measures_a_few_frames_of_the_whole_motion() {
+fn bench_museum_measures_a_few_frames_of_the_whole_motion() {
     let work = Workplace::new();
     work.run_quietly(
-        "bench scene builtin:museum3 --engines hierarchy --size 8x6 --runs 1 --json b.json",
+        "bench museum builtin:museum3 --depth 1 --engines hierarchy --size 8x6 --runs 1 --json b.json",
     );
     let record: Value = serde_json::from_slice(&work.read("b.json")).unwrap();
     let phases = record["cells"][0]["phases"].as_array().unwrap();
     let frames: Vec<_> = phases.iter().map(|phase| phase["frame"].as_u64().unwrap()).collect();
-    assert!(frames.len() == 5 && frames.is_sorted(), "{frames:?}");
-    assert!(frames[0] > 0 && frames[4] > 100, "spread over the motion: {frames:?}");
+    assert!(frames.len() == 20 && frames.is_sorted(), "{frames:?}");
+    assert!(frames[0] > 0 && frames[19] > 250, "spread over the motion: {frames:?}");
 }
 
 #[test]
-fn bench_scene_names_what_is_wrong() {
+fn bench_museum_names_what_is_wrong() {
     let work = Workplace::new();
     let cases = [
         ("builtin:cornell --engines brute,warp", "unknown engine \"warp\"; there are: brute"),
@@ -71,12 +72,12 @@ fn bench_scene_names_what_is_wrong() {
         ("missing.glb", "missing.glb"),
     ];
     for (words, message) in cases {
-        let run = work.run(&format!("bench scene {words} --json b.json"));
+        let run = work.run(&format!("bench museum {words} --json b.json"));
         assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{words}");
         assert!(run.stderr.contains(message), "{words}: {}", run.stderr);
     }
     assert!(work.names().is_empty(), "{:?}", work.names());
 
-    let run = work.run("bench scene builtin:cornell --size 4x3 --json missing/b.json");
+    let run = work.run("bench museum builtin:cornell --size 4x3 --json missing/b.json");
     assert_eq!((run.code, run.stdout.as_str()), (1, ""), "{}", run.stderr);
 }

@@ -24,6 +24,8 @@ pub(super) struct Sample {
     pub(super) commit_ms: f64,
     /// Tracing the rays, in milliseconds.
     pub(super) trace_ms: f64,
+    /// Everything else that makes the picture, in milliseconds.
+    pub(super) shade_ms: f64,
     /// Primitives in the frame.
     pub(super) triangles: usize,
     /// What the renderer counted.
@@ -48,9 +50,9 @@ impl Contestant {
         Self { engine, renderer, film: Film::new(width, height), samples: Vec::new() }
     }
 
-    /// The engine.
-    pub(super) fn engine(&self) -> EngineKind {
-        self.engine
+    /// The name of the engine, as it was asked for.
+    pub(super) fn name(&self) -> &str {
+        self.engine.name()
     }
 
     /// What was measured, in the order of time.
@@ -78,11 +80,13 @@ impl Contestant {
     ) -> Result<(), RenderError> {
         let start = Instant::now();
         let commit = self.renderer.commit(scene, frame)?;
-        let commit_ms = 1e3 * start.elapsed().as_secs_f64();
+        let commit_ms = 1e3 * start.elapsed().as_secs_f64() - milliseconds(commit.conversion_ns);
         let stats = self.renderer.render(view, settings, &mut self.film);
         self.samples.push(Sample {
-            commit_ms,
-            trace_ms: 1e3 * stats.trace_seconds,
+            commit_ms: commit_ms.max(0.0),
+            trace_ms: (1e3 * stats.trace_seconds - milliseconds(stats.trace.conversion_ns))
+                .max(0.0),
+            shade_ms: 1e3 * stats.shade_seconds,
             triangles: commit.prim_count,
             stats,
             memory_bytes: self.renderer.memory_usage(),
@@ -100,6 +104,10 @@ impl Contestant {
             sample.differing_pixels = differing as u64;
         }
     }
+}
+
+fn milliseconds(nanoseconds: u64) -> f64 {
+    nanoseconds as f64 * 1e-6
 }
 
 #[cfg(test)]

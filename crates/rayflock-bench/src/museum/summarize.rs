@@ -1,0 +1,96 @@
+//! From samples to cells: medians over the runs of a frame, means over the frames.
+
+use rayflock::render::RayCounts;
+
+use super::MuseumBench;
+use super::contestant::{Contestant, Sample};
+use crate::Quartiles;
+use crate::record::{Cell, Counters, Phase, RaysByKind};
+
+/// The kind of the rays of a picture: all of them.
+pub(crate) const KIND: &str = "picture";
+
+/// The cell of one engine: `samples().len() == frames.len() * run_count`, run by run.
+pub(super) fn summarize(bench: &MuseumBench, contestant: &Contestant) -> Cell {
+    let frame_count = bench.frames.len();
+    let samples_of = |idx| contestant.samples().iter().skip(idx).step_by(frame_count);
+    let phases = bench.frames.iter().enumerate().map(|(idx, &frame)| {
+        let samples: Vec<Sample> = samples_of(idx).copied().collect();
+        phase(frame, &samples)
+    });
+    let phases: Vec<Phase> = phases.collect();
+
+    let mean =
+        |value: fn(&Phase) -> f64| phases.iter().map(value).sum::<f64>() / phases.len() as f64;
+    let spread = phases.iter().map(spread).fold(0.0, f64::max);
+    let memory = contestant.samples().iter().map(|sample| sample.memory_bytes);
+    Cell {
+        triangles: phases.iter().map(|phase| phase.triangles).max().unwrap_or(0),
+        rays: mean(|phase| phase.rays as f64).round() as u64,
+        kind: KIND.to_owned(),
+        scene: bench.name.clone(),
+        engine: contestant.name().to_owned(),
+        threads: rayon::current_num_threads(),
+        commit_ms: Some(mean(|phase| phase.commit_ms)),
+        trace_ms: Some(mean(|phase| phase.trace_ms)),
+        total_ms: Some(mean(|phase| phase.total_ms)),
+        spread,
+        noisy: Quartiles::is_noisy(spread),
+        mismatches: phases.iter().map(|phase| phase.mismatches).sum(),
+        counters: mean_counters(&phases),
+        memory_bytes: memory.max().unwrap_or(0),
+        phases,
+        ..Cell::default()
+    }
+}
+
+/// One frame of one engine. Counts do not depend on the run: the last one's are taken.
+fn phase(frame: u32, samples: &[Sample]) -> Phase {
+    let Some(last) = samples.last() else { unreachable!("every frame is measured in every run") };
+    let quartiles = |value: fn(&Sample) -> f64| Quartiles::of(samples.iter().map(value));
+    let total = quartiles(Sample::total_ms);
+    Phase {
+        name: format!("frame {frame}"),
+        frame: Some(frame),
+        rounds: samples.len(),
+        triangles: last.triangles,
+        rays: last.stats.rays.total(),
+        rays_by_kind: Some(by_kind(&last.stats.rays)),
+        commit_ms: quartiles(|sample| sample.commit_ms).median,
+        trace_ms: quartiles(|sample| sample.trace_ms).median,
+        total_ms: total.median,
+        total_quartiles_ms: [total.lower, total.upper],
+        shade_ms: Some(quartiles(|sample| sample.shade_ms).median),
+        mismatches: samples.iter().map(|sample| sample.differing_pixels).max().unwrap_or(0),
+        counters: Counters::from(&last.stats.trace),
+    }
+}
+
+fn spread(phase: &Phase) -> f64 {
+    let [lower, upper] = phase.total_quartiles_ms;
+    Quartiles { lower, median: phase.total_ms, upper }.spread()
+}
+
+fn by_kind(rays: &RayCounts) -> RaysByKind {
+    RaysByKind {
+        primary: rays.primary,
+        shadow: rays.shadow,
+        mirror: rays.mirror,
+        refraction: rays.refraction,
+    }
+}
+
+fn mean_counters(phases: &[Phase]) -> Counters {
+    let mean = |count: fn(&Counters) -> u64| {
+        let sum: u64 = phases.iter().map(|phase| count(&phase.counters)).sum();
+        sum / phases.len().max(1) as u64
+    };
+    Counters {
+        cone_tests: mean(|counters| counters.cone_tests),
+        box_tests: mean(|counters| counters.box_tests),
+        triangle_tests: mean(|counters| counters.triangle_tests),
+        pairs: mean(|counters| counters.pairs),
+        bytes: mean(|counters| counters.bytes),
+        allocations: None,
+    }
+}
