@@ -6,6 +6,7 @@
 //! | [`EngineSpec`], [`peer`] | you want another engine than ours |
 //! | [`record`] | you keep or compare what was measured |
 //! | [`work`] | you need the map's triangles and rays |
+//! | [`allocations`] | you want to know how often an engine allocates |
 //! | [`table`] | you read what was measured |
 //!
 //! Figures of one run are comparable with each other; those of two runs only as ratios.
@@ -36,6 +37,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod allocations;
 mod engine_spec;
 mod error;
 pub mod museum;
@@ -45,6 +47,7 @@ pub mod record;
 pub mod table;
 pub mod work;
 
+pub use allocations::AllocationCounter;
 pub use engine_spec::EngineSpec;
 pub use error::BenchError;
 pub use quartiles::Quartiles;

@@ -4,6 +4,7 @@
 //! done. Whose fault an error is decides its exit code, see [`failure`].
 #![forbid(unsafe_code)]
 
+mod allocations;
 mod args;
 mod commands;
 mod failure;
