@@ -7,6 +7,7 @@ use rayflock::engine::{self, CommitStats};
 use rayflock::render::{Film, FrameRenderer, FrameStats, WhittedRenderer};
 use rayflock::scene::Evaluator;
 
+use crate::allocations::COUNTER;
 use crate::failure::{Blame, Failure};
 use crate::interrupt::Interrupt;
 use crate::journal::Journal;
@@ -79,15 +80,20 @@ impl Session {
         let evaluate_ms = milliseconds_since(start);
 
         let update_start = Instant::now();
-        let committed = self.renderer.commit(&self.plan.input.scene, scene_frame);
+        let (committed, update_allocations) =
+            COUNTER.count(|| self.renderer.commit(&self.plan.input.scene, scene_frame));
         let commit = committed.with_context(context).blame_input()?;
         let update_ms = milliseconds_since(update_start);
 
         let view = self.plan.view(scene_frame);
-        let stats = self.renderer.render(&view, &self.plan.settings, &mut self.film);
+        let (stats, render_allocations) =
+            COUNTER.count(|| self.renderer.render(&view, &self.plan.settings, &mut self.film));
         let times = Times { evaluate_ms, update_ms, total_ms: milliseconds_since(start) };
-        let memory_bytes = self.renderer.memory_usage() as u64;
-        Ok(record((frame, time), &times, &commit, &stats, memory_bytes))
+        let held = Held {
+            allocations: update_allocations.zip(render_allocations).map(|(a, b)| a + b),
+            memory_bytes: self.renderer.memory_usage() as u64,
+        };
+        Ok(record((frame, time), &times, &commit, &stats, &held))
     }
 }
 
@@ -103,12 +109,18 @@ struct Times {
     total_ms: f64,
 }
 
+/// What a frame took from the heap.
+struct Held {
+    allocations: Option<u64>,
+    memory_bytes: u64,
+}
+
 fn record(
     (frame, time): (u32, f64),
     times: &Times,
     commit: &CommitStats,
     stats: &FrameStats,
-    memory_bytes: u64,
+    held: &Held,
 ) -> FrameRecord {
     let rays = RayRecord {
         primary: stats.rays.primary,
@@ -127,10 +139,14 @@ fn record(
         total_ms: times.total_ms,
         rays,
         cone_tests: stats.trace.cone_tests,
+        box_tests: stats.trace.box_tests,
         triangle_tests: stats.trace.triangle_tests,
         sphere_tests: stats.trace.sphere_tests,
+        pairs: stats.trace.pairs,
+        bytes: stats.trace.bytes,
+        allocations: held.allocations,
         ignored: (commit.non_finite_count + commit.degenerate_count) as u64,
-        memory_bytes,
+        memory_bytes: held.memory_bytes,
     }
 }
 

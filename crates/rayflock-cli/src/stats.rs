@@ -34,10 +34,23 @@ pub(crate) struct FrameRecord {
     pub(crate) rays: RayRecord,
     /// Cone tests.
     pub(crate) cone_tests: u64,
+    /// Box tests.
+    #[serde(default)]
+    pub(crate) box_tests: u64,
     /// Ray-triangle tests.
     pub(crate) triangle_tests: u64,
     /// Ray-sphere tests.
     pub(crate) sphere_tests: u64,
+    /// Candidates that the engine wrote down.
+    #[serde(default)]
+    pub(crate) pairs: u64,
+    /// Bytes that tests read and stages wrote while tracing.
+    #[serde(default)]
+    pub(crate) bytes: u64,
+    /// Allocations on the heap from the update to the finished film; absent in journals of
+    /// versions that did not count them.
+    #[serde(default)]
+    pub(crate) allocations: Option<u64>,
     /// Primitives ignored because they have no area or are not finite.
     pub(crate) ignored: u64,
     /// Bytes that the engine holds, without the meshes.
@@ -87,5 +100,22 @@ impl Stats {
     pub(crate) fn write(&self, path: &Path) -> Result<()> {
         let json = serde_json::to_string_pretty(self)?;
         atomic::write_whole(path, |partial| Ok(fs::write(partial, json + "\n")?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_journal_line_of_an_earlier_version_is_still_read() {
+        let line = r#"{"frame":3,"time":0.125,"triangles":12,"evaluate_ms":0.1,"update_ms":0.2,
+            "trace_ms":0.3,"shade_ms":0.4,"total_ms":1.0,
+            "rays":{"primary":4,"shadow":3,"mirror":2,"refraction":1},
+            "cone_tests":64,"triangle_tests":32,"sphere_tests":0,"ignored":0,"memory_bytes":99}"#;
+        let record: FrameRecord = serde_json::from_str(line).unwrap();
+        assert_eq!((record.frame, record.triangle_tests), (3, 32));
+        assert_eq!((record.box_tests, record.pairs, record.bytes), (0, 0, 0));
+        assert_eq!(record.allocations, None);
     }
 }

@@ -23,7 +23,16 @@ fn stats_have_every_field_of_the_contract() {
         for field in ["update_ms", "trace_ms", "shade_ms", "total_ms"] {
             assert!(frame[field].as_f64().unwrap() >= 0.0, "{field}");
         }
-        for field in ["triangles", "cone_tests", "triangle_tests", "memory_bytes"] {
+        for field in [
+            "triangles",
+            "cone_tests",
+            "box_tests",
+            "triangle_tests",
+            "pairs",
+            "bytes",
+            "allocations",
+            "memory_bytes",
+        ] {
             assert!(frame[field].is_u64(), "{field}");
         }
         assert_eq!(frame["rays"]["primary"], 16 * 12);
