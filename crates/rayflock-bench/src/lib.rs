@@ -7,6 +7,7 @@
 //! | [`record`] | you keep or compare what was measured |
 //! | [`work`] | you need the map's triangles and rays |
 //! | [`allocations`] | you want to know how often an engine allocates |
+//! | [`ratio`] | you want to know who is ahead, and by how much |
 //! | [`table`] | you read what was measured |
 //!
 //! Figures of one run are comparable with each other; those of two runs only as ratios.
@@ -43,6 +44,7 @@ mod error;
 pub mod museum;
 pub mod peer;
 mod quartiles;
+pub mod ratio;
 pub mod record;
 pub mod table;
 pub mod work;

@@ -18,7 +18,7 @@ pub struct Quartiles {
 
 impl Quartiles {
     /// The spread above which a measurement is marked as noisy.
-    pub const NOISY_SPREAD: f64 = 0.15;
+    pub const NOISY_SPREAD: f64 = 0.1;
 
     /// The quartiles of `values`, in any order; zero where there are none.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {

@@ -5,10 +5,8 @@ use rayflock::render::RayCounts;
 use super::MuseumBench;
 use super::contestant::{Contestant, Sample};
 use crate::Quartiles;
+use crate::ratio::PICTURE;
 use crate::record::{Cell, Counters, Phase, RaysByKind};
-
-/// The kind of the rays of a picture: all of them.
-pub(crate) const KIND: &str = "picture";
 
 /// The cell of one engine: `samples().len() == frames.len() * run_count`, run by run.
 pub(super) fn summarize(bench: &MuseumBench, contestant: &Contestant) -> Cell {
@@ -27,7 +25,7 @@ pub(super) fn summarize(bench: &MuseumBench, contestant: &Contestant) -> Cell {
     Cell {
         triangles: phases.iter().map(|phase| phase.triangles).max().unwrap_or(0),
         rays: mean(|phase| phase.rays as f64).round() as u64,
-        kind: KIND.to_owned(),
+        kind: PICTURE.to_owned(),
         scene: bench.name.clone(),
         engine: contestant.name().to_owned(),
         threads: rayon::current_num_threads(),
