@@ -103,6 +103,14 @@ pub enum EngineError {
         /// What it does not know.
         what: String,
     },
+    /// A library that the engine is made of failed.
+    #[error("the engine {engine} failed: {reason}")]
+    Failed {
+        /// The engine.
+        engine: String,
+        /// What the library says.
+        reason: String,
+    },
 }
 
 fn engine_names() -> String {
