@@ -1,12 +1,14 @@
-//! The project's automation: `cargo xtask test`.
+//! The project's automation: `cargo xtask test` and others.
 //!
 //! | Part | What it does |
 //! |---|---|
 //! | [`mod@test`] | runs every check in order; what CI runs |
+//! | [`embree`] | fetches the library that benchmarks compare with |
 //! | [`invariants`] | checks the rules of `docs/architecture.md` that the compiler does not |
 //! | [`tools`] | finds or installs programs that some tests want |
 #![forbid(unsafe_code)]
 
+mod embree;
 mod invariants;
 mod test;
 mod tools;
@@ -18,11 +20,13 @@ const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
 commands:
+  embree  fetch the library Embree, which benchmarks and some tests want
   test    format, lints, all tests, documentation and the invariants: what CI runs";
 
 fn main() -> ExitCode {
     let command = std::env::args().nth(1);
     let done = match command.as_deref() {
+        Some("embree") => embree::run(root()),
         Some("test") => test::run(root()),
         _ => {
             eprintln!("{USAGE}");

@@ -35,6 +35,7 @@ const STEPS: [Step; 4] = [
 pub(crate) fn run(root: &Path) -> Result<()> {
     let start = Instant::now();
     tools::want_ffmpeg();
+    tools::want_embree(root);
     say_where_real_scenes_are(root);
     println!("== invariants");
     invariants::check(root)?;

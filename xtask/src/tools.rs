@@ -1,7 +1,10 @@
 //! Programs that some tests want. Nothing but cargo is needed: a test that misses a program says
 //! so and passes.
 
+use std::path::Path;
 use std::process::{Command, Stdio};
+
+use crate::embree;
 
 /// Installs ffmpeg where it is missing and can be had without asking: as root, with apt-get.
 /// Without it, the test that writes an MP4 is skipped.
@@ -15,6 +18,20 @@ pub(crate) fn want_ffmpeg() {
         || (succeeds("apt-get", &["update", "-q"]) && succeeds("apt-get", &install));
     if !installed {
         println!("== tools: ffmpeg cannot be installed; the test of MP4 will be skipped");
+    }
+}
+
+/// Fetches Embree where it is missing and nobody said where it is. Without it, tests of Embree are
+/// skipped.
+pub(crate) fn want_embree(root: &Path) {
+    match std::env::var_os("EMBREE_LIB").filter(|path| !path.is_empty()) {
+        Some(path) => println!("== tools: Embree: {}", Path::new(&path).display()),
+        None => {
+            println!("== tools: cargo xtask embree");
+            if let Err(error) = embree::run(root) {
+                println!("== tools: tests of Embree will be skipped: {error:#}");
+            }
+        }
     }
 }
 

@@ -36,7 +36,7 @@
 //! println!("{}", rayflock_bench::table::format(&record));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 pub mod allocations;
 mod engine_spec;

@@ -45,12 +45,24 @@ pub enum PeerError {
     /// There is no library.
     #[error(
         "the library Embree 4 was not found; `cargo xtask embree` fetches it, and EMBREE_LIB or \
-         --embree-lib say where it is; looked in: {places}",
+         --embree-lib say where it is; looked for target/embree in and above {places}",
         places = places(looked_in)
     )]
     LibraryNotFound {
-        /// Where it was looked for.
+        /// The folders where the search began.
         looked_in: Vec<PathBuf>,
+    },
+    /// The user named a file that is not there.
+    #[error(
+        "{path}: found no library there, where {by} says that Embree 4 is; `cargo xtask embree` \
+         fetches it",
+        path = path.display()
+    )]
+    NoSuchFile {
+        /// The file, or the folder that should hold it.
+        path: PathBuf,
+        /// What named it: an option or a variable.
+        by: &'static str,
     },
     /// The file is not a library that this program can load.
     #[error("{path}: cannot be loaded as Embree: {reason}", path = path.display())]
@@ -93,5 +105,5 @@ pub enum PeerError {
 
 fn places(looked_in: &[PathBuf]) -> String {
     let places: Vec<_> = looked_in.iter().map(|path| path.display().to_string()).collect();
-    places.join(", ")
+    places.join(" and ")
 }
