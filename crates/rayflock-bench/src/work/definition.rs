@@ -13,7 +13,7 @@ use rayflock::prelude::{Affine3A, Vec3, View};
 use rayflock::scene::Projection;
 use serde::Deserialize;
 
-use super::{RayKind, Surroundings};
+use super::{RayKind, Surroundings, surroundings};
 use crate::BenchError;
 
 /// The definition that is built in.
@@ -44,7 +44,7 @@ pub struct Definition {
     pub lights: Lights,
     /// Rays that start or end at surfaces.
     pub secondary: Secondary,
-    /// Rays in one direction.
+    /// Rays straight down.
     pub orthographic: Orthographic,
     /// Rays all around.
     pub lidar: Lidar,
@@ -125,12 +125,14 @@ pub struct Secondary {
     pub ao_reach: f32,
 }
 
-/// Rays in the direction that the camera looks in.
+/// Rays straight down.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Orthographic {
-    /// Height of the plane they start from.
-    pub height: f32,
+    /// The middle of the level square that they start from.
+    pub position: [f32; 3],
+    /// Its edge.
+    pub edge: f32,
 }
 
 /// Rays from one point all around.
@@ -178,7 +180,10 @@ impl Definition {
             view: self.camera.view(),
             point_light: self.lights.point.into(),
             to_sun: Vec3::from(self.lights.to_sun).normalize(),
-            film_height: self.orthographic.height,
+            from_above: surroundings::from_above(
+                self.orthographic.position.into(),
+                self.orthographic.edge,
+            ),
             lidar: self.lidar.position.into(),
             lidar_elevation: self.lidar.elevation_degrees.map(f32::to_radians),
             offset: self.secondary.offset,

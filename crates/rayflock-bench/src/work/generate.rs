@@ -7,7 +7,7 @@
 //! | dirshadow | what the camera sees | the sun | image in tiles |
 //! | mirror | what the camera sees | mirrored at the triangle | image in tiles |
 //! | diffuse | what the camera sees | by the cosine | unordered |
-//! | orthographic | a plane through the camera | where it looks | image in tiles |
+//! | orthographic | a level square | straight down | image in tiles |
 //! | suns | what the camera sees | each of sixteen suns, a batch each | image in tiles |
 //! | lidar | the scanner | 64 rows all around | image by rows |
 //! | ao | what the camera sees, eight a place | by the cosine, up to a reach | groups of eight |
@@ -27,8 +27,7 @@ use std::f32::consts::TAU;
 
 use rayflock::engine::RayEngine;
 use rayflock::geom::{Geometry, RayOrder};
-use rayflock::prelude::{Vec3, View};
-use rayflock::scene::Projection;
+use rayflock::prelude::Vec3;
 use rayon::prelude::*;
 
 use super::random::Random;
@@ -77,7 +76,7 @@ pub fn generate(
     let mut points = |size: [usize; 2]| surface_points(surroundings, size, geometry, engine);
     let parts = match kind {
         RayKind::Primary => vec![camera_rays(&surroundings.view, size)],
-        RayKind::Orthographic => vec![camera_rays(&orthographic_view(surroundings), size)],
+        RayKind::Orthographic => vec![camera_rays(&surroundings.from_above, size)],
         RayKind::Lidar => vec![lidar(surroundings, size[0] * size[1])],
         RayKind::PointShadow => vec![from_light(&points(size), size, surroundings)],
         RayKind::DirShadow => toward_suns(&points(size), size, &[surroundings.to_sun]),
@@ -93,11 +92,6 @@ pub fn generate(
         }
     };
     RaySet::new(kind, parts)
-}
-
-fn orthographic_view(surroundings: &Surroundings) -> View {
-    let projection = Projection::Orthographic { height: surroundings.film_height };
-    View::new(surroundings.view.world_from_camera, projection)
 }
 
 /// Rays around a scanner, row by row from the lowest.

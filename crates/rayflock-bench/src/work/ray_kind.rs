@@ -18,7 +18,7 @@ pub enum RayKind {
     Mirror,
     /// From what the camera sees, anywhere away from the surface, by the cosine.
     Diffuse,
-    /// From a plane through the camera, all in the direction it looks in.
+    /// Straight down from a level square above everything, as a height map needs them.
     Orthographic,
     /// From what the camera sees toward each of sixteen suns.
     Suns,

@@ -1,7 +1,7 @@
 //! What rays of all kinds are made from.
 
 use rayflock::geom::Aabb;
-use rayflock::prelude::{Vec3, View};
+use rayflock::prelude::{Affine3A, Vec3, View};
 use rayflock::scene::{LightKind, Projection};
 
 /// Where the camera, the lights and the scanner are, and how near to surfaces rays begin.
@@ -13,8 +13,8 @@ pub struct Surroundings {
     pub point_light: Vec3,
     /// Direction to the sun, of unit length.
     pub to_sun: Vec3,
-    /// Height of the plane that orthographic rays start from.
-    pub film_height: f32,
+    /// A camera that looks straight down, for rays of one direction.
+    pub from_above: View,
     /// Place of the scanner.
     pub lidar: Vec3,
     /// Angles above the horizon of the scanner's lowest and highest row.
@@ -40,18 +40,13 @@ impl Surroundings {
             .find_map(place_of)
             .unwrap_or_else(|| center + size * Vec3::new(0.2, 0.45, 0.3));
         let to_sun = lights.iter().find_map(direction_to);
-        let eye = Vec3::from(view.world_from_camera.translation);
-        let film_height = match view.projection {
-            Projection::Perspective { vertical_fov } => {
-                2.0 * (0.5 * vertical_fov).tan() * eye.distance(center)
-            }
-            Projection::Orthographic { height } => height,
-        };
+        let top = center.with_y(bounds.max.y + 1e-3 * diagonal);
+        let edge = size.x.max(size.z).max(1e-3 * diagonal);
         Self {
             view,
             point_light,
             to_sun: to_sun.unwrap_or_else(|| Vec3::new(0.3, 1.0, 0.2).normalize()),
-            film_height,
+            from_above: from_above(top, edge),
             lidar: center,
             lidar_elevation: [-25.0_f32, 25.0].map(f32::to_radians),
             offset: 5e-5 * diagonal,
@@ -59,6 +54,13 @@ impl Surroundings {
             ao_reach: 0.1 * diagonal,
         }
     }
+}
+
+/// A camera that looks straight down from a level square, with -Z at the top of its picture.
+pub(super) fn from_above(middle: Vec3, edge: f32) -> View {
+    let world_from_camera = Affine3A::from_translation(middle)
+        * Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2);
+    View::new(world_from_camera, Projection::Orthographic { height: edge })
 }
 
 fn place_of(light: &LightKind) -> Option<Vec3> {
@@ -77,14 +79,14 @@ fn direction_to(light: &LightKind) -> Option<Vec3> {
 
 #[cfg(test)]
 mod tests {
-    use rayflock::prelude::Affine3A;
     use rayflock::scene::Falloff;
 
     use super::*;
 
     const BOUNDS: Aabb = Aabb { min: Vec3::ZERO, max: Vec3::new(10.0, 4.0, 8.0) };
 
-    fn view(projection: Projection) -> View {
+    fn view() -> View {
+        let projection = Projection::Perspective { vertical_fov: 1.0 };
         View::new(Affine3A::from_translation(Vec3::new(5.0, 2.0, 14.0)), projection)
     }
 
@@ -96,28 +98,27 @@ mod tests {
             falloff: Falloff::InverseSquare,
         };
         let sun = LightKind::Directional { direction: -2.0 * Vec3::Z, irradiance: Vec3::ONE };
-        let view = view(Projection::Orthographic { height: 3.0 });
+        let view = view();
         let found = Surroundings::of_scene(&BOUNDS, view, &[sun, point(1.0), point(2.0)]);
         assert_eq!((found.point_light, found.to_sun), (Vec3::X, Vec3::Z));
-        assert_eq!(found.film_height, 3.0);
+        assert_eq!(found.view, view);
     }
 
     #[test]
     fn a_scene_without_lights_gets_some_in_usual_places() {
-        let vertical_fov = std::f32::consts::FRAC_PI_2;
-        let view = view(Projection::Perspective { vertical_fov });
-        let found = Surroundings::of_scene(&BOUNDS, view, &[]);
+        let found = Surroundings::of_scene(&BOUNDS, view(), &[]);
         let above = found.point_light - BOUNDS.center();
         assert!(above.y > 0.0 && found.point_light.y < BOUNDS.max.y);
         assert!((found.to_sun.length() - 1.0).abs() < 1e-6 && found.to_sun.y > 0.0);
-        // A right angle from 10 in front of the middle.
-        assert!((found.film_height - 20.0).abs() < 1e-4);
+        let eye = Vec3::from(found.from_above.world_from_camera.translation);
+        assert!(eye.y > 4.0 && eye.with_y(0.0) == Vec3::new(5.0, 0.0, 4.0));
+        assert_eq!(found.from_above.projection, Projection::Orthographic { height: 10.0 });
         assert!(found.offset > 0.0 && found.offset < 1e-3 * BOUNDS.size().length());
     }
 
     #[test]
     fn an_empty_scene_gives_numbers_that_can_be_traced() {
-        let view = view(Projection::Orthographic { height: 3.0 });
+        let view = view();
         let found = Surroundings::of_scene(&Aabb::EMPTY, view, &[]);
         assert!(found.point_light.is_finite() && found.lidar.is_finite(), "{found:?}");
         assert!(found.offset >= 0.0 && found.ao_reach > 0.0);

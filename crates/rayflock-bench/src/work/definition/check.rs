@@ -123,7 +123,8 @@ impl Checker<'_> {
         let is_share = end > 0.0 && end <= 1.0;
         self.demand(is_share, "secondary.shadow_end", &end, "a number above 0 and up to 1")?;
         self.size("secondary.ao_reach", secondary.ao_reach)?;
-        self.size("orthographic.height", definition.orthographic.height)?;
+        self.point("orthographic.position", definition.orthographic.position)?;
+        self.size("orthographic.edge", definition.orthographic.edge)?;
         self.point("lidar.position", lidar.position)?;
         let [low, high] = lidar.elevation_degrees;
         let (usable, key) =

@@ -230,6 +230,19 @@ fn a_scanner_looks_all_around_between_its_angles() {
 }
 
 #[test]
+fn rays_from_above_cover_the_room() {
+    let mut fixture = Fixture::empty_room();
+    let rays = fixture.rays(RayKind::Orthographic);
+    assert!(
+        per_ray(&rays, |_, direction| direction.abs_diff_eq(-Vec3::Y, 1e-6)).iter().all(|&d| d)
+    );
+    assert!(fixture.hits(&rays).t.iter().all(|t| (t - 7.4).abs() < 1e-3));
+    let origins = per_ray(&rays, |origin, _| origin);
+    let first = Vec3::new(-4.95 + 9.9 / 128.0, 7.4, -4.95 + 9.9 / 128.0);
+    assert!(origins[0].abs_diff_eq(first, 1e-4), "{}", origins[0]);
+}
+
+#[test]
 fn suns_stand_apart_above_the_horizon() {
     let suns = suns();
     for (idx, sun) in suns.iter().enumerate() {
@@ -240,9 +253,9 @@ fn suns_stand_apart_above_the_horizon() {
 
 #[test]
 fn rays_of_pixels_that_see_nothing_are_switched_off() {
-    // From high above, the camera looks at the horizon over the room's edge.
+    // Through the floor, outward: triangles are seen from both sides, but not all around.
     let mut fixture = Fixture::at(64.0);
-    fixture.surroundings.view.world_from_camera.translation.y += 6.0;
+    fixture.surroundings.view.world_from_camera.translation.y = 20.0;
     let points = fixture.points();
     let missing = points.iter().filter(|point| !point.is_there).count();
     assert!((100..4000).contains(&missing), "{missing}");
@@ -265,6 +278,7 @@ fn rays_of_pixels_that_see_nothing_are_switched_off() {
 #[test]
 fn normals_of_spheres_and_of_moved_triangles_point_to_the_viewer() {
     use rayflock::prelude::*;
+    use rayflock::scene::Projection;
 
     let ball = Mesh::from_spheres(vec![Sphere::new(Vec3::new(0.0, 1.0, 0.0), 1.0)]);
     let quad = Mesh::from_triangles(
