@@ -153,7 +153,8 @@ pub struct TraceStats {
     /// Candidate pairs of a group of rays and a primitive or group of primitives that an engine
     /// wrote down for its next stage.
     pub pairs: u64,
-    /// Bytes of primitives, bounds and candidate lists that tests read and stages wrote.
+    /// Bytes of primitives, bounds and candidate lists that tests read and stages wrote. Rays,
+    /// bounds of rays and hits are not counted, nor what user primitives read.
     pub bytes: u64,
     /// Nanoseconds spent on bringing rays and hits into and out of the layout of a foreign
     /// library, which its own users would not spend. Benchmarks subtract it; engines of this

@@ -6,14 +6,14 @@
 
 use glam::Vec3;
 use rayflock_geom::simd::ray_sphere::{SphereRays, intersect_sphere};
-use rayflock_geom::simd::ray_triangle::{RayPacket, ShearedRay, intersect_packet};
+use rayflock_geom::simd::ray_triangle::{LaneHits, RayPacket, ShearedRay, intersect_packet};
 use rayflock_geom::simd::{
     LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16,
 };
 use rayflock_geom::{Ray, RayTransform, UserHit};
 
 use crate::TraceStats;
-use crate::primitives::{PrimitiveTable, SlotKind};
+use crate::primitives::{PrimitiveTable, SPHERE_BYTES, SlotKind, TRIANGLE_BYTES};
 
 /// The nearest hit of one ray so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +41,25 @@ impl Nearest {
             *self = other;
         }
     }
+
+    /// Keeps the nearest of the triangles that one ray hit; `ranks` are those of all sixteen.
+    #[inline(always)]
+    pub(crate) fn offer_lanes<S: Simd>(&mut self, hits: &LaneHits<S>, ranks: &[u32; LANES]) {
+        let mut accepted = hits.accepted.to_bitmask();
+        while accepted != 0 {
+            let lane = accepted.trailing_zeros() as usize;
+            accepted &= accepted - 1;
+            let (t, u, v) = (hits.t[lane], hits.u[lane], hits.v[lane]);
+            self.offer(Self { t, u, v, rank: ranks[lane] });
+        }
+    }
+}
+
+/// Bytes that tests of a packet read from the table, each of one primitive against sixteen rays.
+/// What user primitives read is not known.
+pub(crate) fn packet_test_bytes(tests: &TraceStats) -> u64 {
+    let lane_bytes = tests.triangle_tests * TRIANGLE_BYTES + tests.sphere_tests * SPHERE_BYTES;
+    lane_bytes / LANES as u64
 }
 
 /// What is asked of the rays.

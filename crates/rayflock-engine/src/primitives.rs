@@ -18,4 +18,4 @@ mod span;
 mod table;
 mod write;
 
-pub(crate) use table::{PrimitiveTable, SlotKind};
+pub(crate) use table::{PrimitiveTable, SPHERE_BYTES, SlotKind, TRIANGLE_BYTES};

@@ -1,12 +1,12 @@
 //! Crosses a chunk of rays with all primitives.
 
 use rayflock_geom::simd::ray_triangle::{ShearedRay, intersect_block};
-use rayflock_geom::simd::{LANES, Simd, SimdBase, SimdMask, mask32x16, u32x16};
+use rayflock_geom::simd::{LANES, Simd, SimdBase, mask32x16, u32x16};
 use rayflock_geom::{Ray, RayBatch, RayState};
 
 use crate::TraceStats;
 use crate::packet::{Nearest, Question, TracePacket};
-use crate::primitives::PrimitiveTable;
+use crate::primitives::{PrimitiveTable, SPHERE_BYTES, TRIANGLE_BYTES};
 
 /// Rays that meet a group of triangle blocks together.
 pub(super) const CHUNK: usize = 64;
@@ -42,6 +42,9 @@ pub(super) fn cross_chunk<S: Simd>(
     for (rays, nearest) in rays.chunks(LANES).zip(nearest.chunks_mut(LANES)) {
         cross_others(simd, table, rays, question, nearest, &mut stats);
     }
+    // A ray meets whole blocks of triangles, a sphere sixteen rays.
+    stats.bytes =
+        stats.triangle_tests * TRIANGLE_BYTES + stats.sphere_tests / LANES as u64 * SPHERE_BYTES;
     stats
 }
 
@@ -86,13 +89,7 @@ fn test_block<S: Simd>(
     let seen = u32x16::from_slice(simd, table.masks(block_idx)) & u32x16::splat(simd, ray_mask);
     let active: mask32x16<S> = !seen.simd_eq(u32x16::splat(simd, 0));
     let hits = intersect_block(simd, ray, table.triangle_block(block_idx), active);
-    let mut accepted = hits.accepted.to_bitmask();
-    while accepted != 0 {
-        let lane = accepted.trailing_zeros() as usize;
-        accepted &= accepted - 1;
-        let rank = table.ranks(block_idx)[lane];
-        nearest.offer(Nearest { t: hits.t[lane], u: hits.u[lane], v: hits.v[lane], rank });
-    }
+    nearest.offer_lanes(&hits, table.ranks(block_idx));
 }
 
 /// Sixteen rays against all spheres and user primitives.

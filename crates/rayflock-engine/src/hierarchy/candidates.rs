@@ -63,6 +63,21 @@ impl Candidates {
         self.len
     }
 
+    /// Bytes written when the list was filled: six columns.
+    pub(super) const fn written_bytes(&self) -> u64 {
+        (6 * size_of::<f32>() * self.len) as u64
+    }
+
+    /// Bytes read when all blocks are loaded: five columns.
+    pub(super) const fn loaded_bytes(&self) -> u64 {
+        (5 * size_of::<f32>() * LANES * self.block_count()) as u64
+    }
+
+    /// Bytes that [`Self::sort_by_distance`] reads and writes, moves while sorting not included.
+    pub(super) const fn sorted_bytes(&self) -> u64 {
+        (2 * size_of::<u64>() * self.len) as u64
+    }
+
     /// Number of blocks of sixteen.
     pub(super) const fn block_count(&self) -> usize {
         self.len.div_ceil(LANES)

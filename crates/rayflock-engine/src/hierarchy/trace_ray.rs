@@ -2,12 +2,14 @@
 
 use rayflock_geom::Ray;
 use rayflock_geom::simd::ray_triangle::{ShearedRay, TriangleBlock, intersect_block};
-use rayflock_geom::simd::{LANES, Simd, SimdBase, SimdMask, mask32x16, u32x16};
+use rayflock_geom::simd::{LANES, Simd, SimdBase, mask32x16, u32x16};
 
 use super::candidates::Candidates;
 use crate::TraceStats;
-use crate::packet::{Nearest, Question, TracePacket, direction_length, far_distance};
-use crate::primitives::PrimitiveTable;
+use crate::packet::{
+    Nearest, Question, TracePacket, direction_length, far_distance, packet_test_bytes,
+};
+use crate::primitives::{PrimitiveTable, TRIANGLE_BYTES};
 
 /// A ray at work.
 #[derive(Debug)]
@@ -53,6 +55,7 @@ impl RayTracer {
         stats: &mut TraceStats,
     ) -> Nearest {
         candidates.sort_by_distance(&mut self.by_distance);
+        stats.bytes += candidates.sorted_bytes();
         let length = direction_length(ray);
         let mut nearest = Nearest::NONE;
         let mut next = 0;
@@ -83,13 +86,17 @@ impl RayTracer {
         self.triangles.gather(table, slots);
         if self.triangles.len > 0 {
             stats.triangle_tests += LANES as u64;
+            stats.bytes += self.triangles.len as u64 * TRIANGLE_BYTES;
             self.triangles.test(simd, ray, nearest);
             return first + self.triangles.len;
         }
         let slot = Candidates::slot(self.by_distance[first]);
         self.packet.clear();
         self.packet.set(0, ray, nearest.t);
-        self.packet.test(simd, table, slot, Question::Closest, stats);
+        let mut tests = TraceStats::default();
+        self.packet.test(simd, table, slot, Question::Closest, &mut tests);
+        tests.bytes = packet_test_bytes(&tests);
+        *stats += tests;
         nearest.offer(self.packet.nearest(0));
         first + 1
     }
@@ -120,12 +127,6 @@ impl TriangleGroup {
         let seen = u32x16::from_slice(simd, &self.masks) & u32x16::splat(simd, ray.mask);
         let active: mask32x16<S> = !seen.simd_eq(u32x16::splat(simd, 0));
         let hits = intersect_block(simd, &ShearedRay::new(ray), &self.corners, active);
-        let mut accepted = hits.accepted.to_bitmask();
-        while accepted != 0 {
-            let lane = accepted.trailing_zeros() as usize;
-            accepted &= accepted - 1;
-            let (t, u, v) = (hits.t[lane], hits.u[lane], hits.v[lane]);
-            nearest.offer(Nearest { t, u, v, rank: self.ranks[lane] });
-        }
+        nearest.offer_lanes(&hits, &self.ranks);
     }
 }

@@ -6,7 +6,7 @@ use rayflock_geom::simd::Simd;
 use super::arrange::active_ray;
 use super::candidates::Candidates;
 use crate::TraceStats;
-use crate::packet::{Nearest, Question, TracePacket};
+use crate::packet::{Nearest, Question, TracePacket, packet_test_bytes};
 use crate::primitives::PrimitiveTable;
 
 /// A tile at work.
@@ -51,15 +51,18 @@ impl TileTracer {
         stats: &mut TraceStats,
     ) {
         candidates.sort_by_distance(&mut self.by_distance);
+        let mut tests = TraceStats::default();
         let mut far = self.packet.far_distance();
         for &key in &self.by_distance {
             if Candidates::distance(key) > far {
                 break;
             }
-            if self.packet.test(simd, table, Candidates::slot(key), question, stats) {
+            if self.packet.test(simd, table, Candidates::slot(key), question, &mut tests) {
                 far = self.packet.far_distance();
             }
         }
+        tests.bytes = candidates.sorted_bytes() + packet_test_bytes(&tests);
+        *stats += tests;
     }
 
     /// Hands out the nearest hit of each lane.

@@ -15,6 +15,12 @@ use super::span::{Layout, ObjectSpan};
 use crate::CommitStats;
 use crate::packet::Nearest;
 
+/// What a test reads of a triangle: three corners, rank and mask.
+pub(crate) const TRIANGLE_BYTES: u64 = 44;
+
+/// What a test reads of a sphere: centre and radius, rank and mask.
+pub(crate) const SPHERE_BYTES: u64 = 24;
+
 /// All primitives of the committed frame. See the [module](super) for the layout.
 #[derive(Debug, Default)]
 pub(crate) struct PrimitiveTable {

@@ -4,6 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "the tests' helpers may fail just as the tests may")]
 
 mod cases;
+mod counters;
 mod engines;
 mod oracle;
 mod same_answer;
