@@ -3,10 +3,13 @@
 use std::io;
 use std::path::PathBuf;
 
+use rayflock::engine::EngineError;
 use rayflock::render::RenderError;
 use rayflock::scene::SceneError;
+use rayon::ThreadPoolBuildError;
 use thiserror::Error;
 
+use crate::peer::PeerError;
 use crate::work::RayKind;
 
 /// Why something cannot be measured.
@@ -32,6 +35,15 @@ pub enum BenchError {
         /// What is wrong with it.
         source: RenderError,
     },
+    /// An engine of others cannot be had.
+    #[error(transparent)]
+    Peer(#[from] PeerError),
+    /// An engine cannot do what the work needs.
+    #[error(transparent)]
+    Engine(#[from] EngineError),
+    /// Threads cannot be started.
+    #[error("cannot start threads")]
+    Threads(#[from] ThreadPoolBuildError),
     /// No kind of rays has this name.
     #[error("unknown kind of rays \"{0}\"; there are: {names}", names = kind_names())]
     UnknownKind(String),

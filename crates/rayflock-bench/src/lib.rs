@@ -2,7 +2,10 @@
 //!
 //! | Part | Use it when |
 //! |---|---|
+//! | [`map`] | you want to know what any number of triangles and rays costs with each engine |
 //! | [`museum`] | you want to know what the frames of an animation cost with each engine |
+//! | [`scaling`] | you want to know how cost grows with triangles, rays and threads |
+//! | [`contest`] | you have work of your own and want engines measured on it |
 //! | [`EngineSpec`], [`peer`] | you want another engine than ours |
 //! | [`record`] | you keep or compare what was measured |
 //! | [`work`] | you need the map's triangles and rays |
@@ -39,14 +42,18 @@
 #![deny(unsafe_code)]
 
 pub mod allocations;
+pub mod contest;
 mod engine_spec;
 mod error;
+pub mod map;
 pub mod museum;
 pub mod peer;
 mod quartiles;
 pub mod ratio;
 pub mod record;
+pub mod scaling;
 pub mod table;
+mod text;
 pub mod work;
 
 pub use allocations::AllocationCounter;

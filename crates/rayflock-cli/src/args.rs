@@ -15,7 +15,10 @@ use rayflock::render::tonemap::ToneMap;
 use crate::frames::FrameRange;
 use crate::size::Size;
 
-pub(crate) use bench::{BenchArguments, BenchCommand, BenchMuseumArguments, OutputArguments};
+pub(crate) use bench::{
+    BenchArguments, BenchCommand, BenchMapArguments, BenchMuseumArguments, EngineArguments,
+    OutputArguments,
+};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -3,7 +3,7 @@
 use std::fmt::Arguments;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 
 use crate::terminal;
 
@@ -26,6 +26,26 @@ impl Progress {
         bar.reset_eta();
         bar.enable_steady_tick(Duration::from_millis(250));
         Self(bar)
+    }
+
+    /// A bar for `cell_count` cells of very different length, whose time left is told by whoever
+    /// measures them.
+    pub(crate) fn of_cells(activity: &str, cell_count: u64) -> Self {
+        if !terminal::is_watched() {
+            return Self(ProgressBar::hidden());
+        }
+        let template = "{msg} {wide_bar} {pos}/{len} cells{prefix}";
+        let style =
+            ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+        let bar = ProgressBar::new(cell_count).with_style(style).with_message(activity.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(250));
+        Self(bar)
+    }
+
+    /// One more cell is done, and the others will take about so long.
+    pub(crate) fn advance_with(&self, time_left: Duration) {
+        self.0.set_prefix(format!(", about {} left", HumanDuration(time_left)));
+        self.0.inc(1);
     }
 
     /// One more frame is done.

@@ -1,10 +1,14 @@
 //! Options of `bench`, one subcommand a file.
 
+mod engines;
+mod map;
 mod museum;
 mod output;
 
 use clap::{Args, Subcommand};
 
+pub(crate) use engines::EngineArguments;
+pub(crate) use map::BenchMapArguments;
 pub(crate) use museum::BenchMuseumArguments;
 pub(crate) use output::OutputArguments;
 
@@ -19,6 +23,8 @@ pub(crate) struct BenchArguments {
 /// What can be measured.
 #[derive(Debug, Subcommand)]
 pub(crate) enum BenchCommand {
+    /// Measure moving triangles x rays x kinds of rays with each engine.
+    Map(BenchMapArguments),
     /// Measure update, trace and shade time of the pictures of an animation with each engine.
     Museum(BenchMuseumArguments),
 }
@@ -27,6 +33,7 @@ impl BenchCommand {
     /// Threads the user allows.
     pub(crate) fn threads(&self) -> Option<u16> {
         match self {
+            Self::Map(args) => args.engines.threads,
             Self::Museum(args) => args.threads,
         }
     }

@@ -1,7 +1,10 @@
 //! `rayflock bench`, one subcommand a file.
 
+mod engines;
+mod map;
 mod museum;
 mod output;
+mod watcher;
 
 use crate::args::{BenchArguments, BenchCommand};
 use crate::failure::Failure;
@@ -9,6 +12,7 @@ use crate::failure::Failure;
 /// Measures what the user asked for.
 pub(super) fn run(args: &BenchArguments) -> Result<(), Failure> {
     match &args.command {
+        BenchCommand::Map(args) => map::run(args),
         BenchCommand::Museum(args) => museum::run(args),
     }
 }
