@@ -4,30 +4,39 @@
 //! |---|---|
 //! | [`mod@test`] | runs every check in order; what CI runs |
 //! | [`embree`] | fetches the library that benchmarks compare with |
+//! | [`perf_check`] | counts instructions and compares them with the committed baseline |
 //! | [`invariants`] | checks the rules of `docs/architecture.md` that the compiler does not |
 //! | [`tools`] | finds or installs programs that some tests want |
 #![forbid(unsafe_code)]
 
 mod embree;
 mod invariants;
+mod perf_check;
 mod test;
 mod tools;
 
 use std::path::Path;
 use std::process::ExitCode;
 
+use perf_check::Mode;
+
 const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
 commands:
   embree  fetch the library Embree, which benchmarks and some tests want
-  test    format, lints, all tests, documentation and the invariants: what CI runs";
+  test    format, lints, all tests, documentation and the invariants: what CI runs
+  perf-check [--update]
+          count the instructions of kernels and engines under valgrind; fails when one grew by more
+          than 3 % over bench/baseline/, which --update writes anew";
 
 fn main() -> ExitCode {
-    let command = std::env::args().nth(1);
-    let done = match command.as_deref() {
-        Some("embree") => embree::run(root()),
-        Some("test") => test::run(root()),
+    let arguments: Vec<_> = std::env::args().skip(1).collect();
+    let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["embree"] => embree::run(root()),
+        ["perf-check"] => perf_check::run(root(), Mode::Compare),
+        ["perf-check", "--update"] => perf_check::run(root(), Mode::Update),
+        ["test"] => test::run(root()),
         _ => {
             eprintln!("{USAGE}");
             return ExitCode::from(2);

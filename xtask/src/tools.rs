@@ -1,24 +1,45 @@
-//! Programs that some tests want. Nothing but cargo is needed: a test that misses a program says
+//! Programs that some checks want. The tests need nothing but cargo: one that misses a program says
 //! so and passes.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
+
+use anyhow::{Result, bail};
 
 use crate::embree;
 
 /// Installs ffmpeg where it is missing and can be had without asking: as root, with apt-get.
 /// Without it, the test that writes an MP4 is skipped.
 pub(crate) fn want_ffmpeg() {
-    if succeeds("ffmpeg", &["-version"]) || !succeeds("apt-get", &["--version"]) || !is_root() {
-        return;
-    }
-    println!("== tools: apt-get install ffmpeg");
-    let install = ["install", "-y", "-q", "--no-install-recommends", "ffmpeg"];
-    let installed = succeeds("apt-get", &install)
-        || (succeeds("apt-get", &["update", "-q"]) && succeeds("apt-get", &install));
-    if !installed {
+    if !succeeds("ffmpeg", &["-version"]) && can_install() && !install("ffmpeg") {
         println!("== tools: ffmpeg cannot be installed; the test of MP4 will be skipped");
     }
+}
+
+/// Finds valgrind, or installs it as [`want_ffmpeg`] does.
+///
+/// # Errors
+/// Says how to get it, where it is missing and cannot be installed.
+pub(crate) fn need_valgrind() -> Result<()> {
+    let is_there = || succeeds("valgrind", &["--version"]);
+    if is_there() || (can_install() && install("valgrind") && is_there()) {
+        return Ok(());
+    }
+    bail!(
+        "valgrind is missing: install it as root by \"apt-get install valgrind\", or from the \
+         packages of your system (there is none for Windows and macOS on ARM)"
+    )
+}
+
+fn can_install() -> bool {
+    succeeds("apt-get", &["--version"]) && is_root()
+}
+
+fn install(package: &str) -> bool {
+    println!("== tools: apt-get install {package}");
+    let install = ["install", "-y", "-q", "--no-install-recommends", package];
+    succeeds("apt-get", &install)
+        || (succeeds("apt-get", &["update", "-q"]) && succeeds("apt-get", &install))
 }
 
 /// Fetches Embree where it is missing and nobody said where it is. Without it, tests of Embree are

@@ -195,7 +195,8 @@ pub(crate) struct RenderArguments {
     #[arg(long)]
     pub(crate) resume: bool,
 
-    /// Write times and counts of each frame to a JSON file.
+    /// Write what each frame cost to a JSON file: times, rays, tests of each kind, candidate pairs,
+    /// bytes, allocations on the heap.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) stats: Option<PathBuf>,
 
