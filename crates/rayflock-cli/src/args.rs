@@ -4,11 +4,11 @@
 //! does.
 
 mod bench;
+mod engine;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use rayflock::engine::EngineKind;
 use rayflock::import::UpAxis;
 use rayflock::render::tonemap::ToneMap;
 
@@ -19,6 +19,7 @@ pub(crate) use bench::{
     BenchArguments, BenchCommand, BenchMapArguments, BenchMuseumArguments, EngineArguments,
     OutputArguments,
 };
+pub(crate) use engine::EngineChoice;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -77,9 +78,9 @@ pub(crate) struct DemoArguments {
     #[arg(short, long, value_name = "PATH", default_value = "rayflock-demo.gif")]
     pub(crate) output: PathBuf,
 
-    /// The engine that traces the rays; all engines give the same picture.
-    #[arg(long, value_name = "NAME", default_value_t = EngineKind::Hierarchy)]
-    pub(crate) engine: EngineKind,
+    /// What traces the rays.
+    #[command(flatten)]
+    pub(crate) engine: EngineChoice,
 
     /// Threads to work with [default: one a core].
     #[arg(long, value_name = "N", value_parser = thread_count())]
@@ -166,9 +167,9 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
 
-    /// The engine that traces the rays; all engines give the same picture.
-    #[arg(long, value_name = "NAME", default_value_t = EngineKind::Hierarchy)]
-    pub(crate) engine: EngineKind,
+    /// What traces the rays.
+    #[command(flatten)]
+    pub(crate) engine: EngineChoice,
 
     /// Threads to work with; they never change the picture [default: one a core].
     #[arg(long, value_name = "N", value_parser = thread_count())]

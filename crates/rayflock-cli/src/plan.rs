@@ -7,9 +7,9 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
-use rayflock::engine::EngineKind;
 use rayflock::render::{RenderSettings, View};
 use rayflock::scene::{Evaluator, Scene, SceneFrame, frame_bounds};
+use rayflock_bench::EngineSpec;
 
 use crate::args::RenderArguments;
 use crate::failure::{Blame, Failure};
@@ -40,7 +40,7 @@ pub(crate) struct RenderPlan {
     /// How light becomes colour.
     pub(crate) look: Look,
     /// What traces the rays.
-    pub(crate) engine: EngineKind,
+    pub(crate) engine: EngineSpec,
     /// Where the pictures go.
     pub(crate) target: Target,
     /// Whether to take over finished frames.
@@ -108,7 +108,7 @@ impl RenderPlan {
                 ..RenderSettings::default()
             },
             look: Look { exposure: args.exposure, tone_map: args.tone_map },
-            engine: args.engine,
+            engine: args.engine.engine,
             target,
             resume: args.resume,
             stats: args.stats.clone(),

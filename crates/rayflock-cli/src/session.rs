@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Context;
-use rayflock::engine::{self, CommitStats};
+use rayflock::engine::{CommitStats, RayEngine};
 use rayflock::render::{Film, FrameRenderer, FrameStats, WhittedRenderer};
 use rayflock::scene::Evaluator;
 
@@ -27,9 +27,9 @@ pub(crate) struct Session {
 
 impl Session {
     /// Nothing is rendered yet.
-    pub(crate) fn new(plan: RenderPlan) -> Self {
+    pub(crate) fn new(plan: RenderPlan, engine: Box<dyn RayEngine>) -> Self {
         let evaluator = plan.evaluator.clone();
-        let renderer = WhittedRenderer::new(engine::create(plan.engine));
+        let renderer = WhittedRenderer::new(engine);
         let film = Film::new(plan.size.width as usize, plan.size.height as usize);
         Self { plan, evaluator, renderer, film }
     }

@@ -78,7 +78,7 @@ pub(crate) struct Stats {
     /// INPUT as given.
     pub(crate) input: String,
     /// The engine.
-    pub(crate) engine: &'static str,
+    pub(crate) engine: String,
     /// Threads worked with.
     pub(crate) threads: usize,
     /// The instruction set of the kernels.

@@ -22,7 +22,7 @@ pub(super) fn run(args: &DemoArguments) -> Result<(), Failure> {
         unreachable!("the demo's own arguments are well formed")
     };
     render.output.clone_from(&args.output);
-    render.engine = args.engine;
+    render.engine = args.engine.clone();
     render::run(&render)?;
     terminal::answer(&format!("{output} is there. {NEXT}")).blame_output()
 }

@@ -19,6 +19,7 @@ use crate::terminal;
 /// Plans the render, then carries it out.
 pub(super) fn run(args: &RenderArguments) -> Result<(), Failure> {
     let plan = RenderPlan::new(args)?;
+    let engine = args.engine.create().blame_input()?;
     for warning in &plan.input.warnings {
         terminal::say(format_args!("warning: {warning}"));
     }
@@ -27,7 +28,7 @@ pub(super) fn run(args: &RenderArguments) -> Result<(), Failure> {
     let interrupt = Interrupt::listen().blame_output()?;
     let names = plan.target.frame_names(plan.frames.count());
     let mut journal = Journal::open(&names, &plan.journal_settings(), plan.resume)?;
-    let mut session = Session::new(plan);
+    let mut session = Session::new(plan, engine);
     session.render_frames(&names, &mut journal, &interrupt)?;
 
     let plan = session.into_plan();
@@ -59,7 +60,7 @@ fn report(plan: &RenderPlan, journal: &Journal) -> Result<()> {
     let stats = Stats {
         version: env!("CARGO_PKG_VERSION"),
         input: plan.input.name.clone(),
-        engine: plan.engine.name(),
+        engine: plan.engine.to_string(),
         threads: rayon::current_num_threads(),
         simd: SimdLevel::best().name(),
         size: plan.size,

@@ -2,6 +2,7 @@
 
 mod bench;
 mod demo_and_info;
+mod engines;
 mod errors;
 mod formats;
 mod resume;

@@ -94,11 +94,16 @@ fn given(path: &Path, by: &'static str) -> Result<PathBuf, PeerError> {
 fn find_fetched() -> Result<PathBuf, PeerError> {
     let program = env::current_exe().ok().and_then(|path| path.parent().map(Path::to_owned));
     let starts: Vec<_> = [program, env::current_dir().ok()].into_iter().flatten().collect();
-    let target = env::var_os("CARGO_TARGET_DIR").map(|target| Path::new(&target).join(FETCHED));
+    let target = env::var_os("CARGO_TARGET_DIR").filter(|folder| !folder.is_empty());
+    search(target.map(PathBuf::from), starts)
+}
+
+/// Looks in the folder that cargo builds in, if it is known, and upward from `starts`.
+fn search(target: Option<PathBuf>, starts: Vec<PathBuf>) -> Result<PathBuf, PeerError> {
     let above = starts.iter().flat_map(|start| start.ancestors());
-    let places =
-        above.flat_map(|folder| [folder.join(FETCHED), folder.join("target").join(FETCHED)]);
-    let found = target.into_iter().chain(places).find_map(|folder| library_in(&folder));
+    let places = above.flat_map(|folder| [folder.to_owned(), folder.join("target")]);
+    let found =
+        target.into_iter().chain(places).find_map(|target| library_in(&target.join(FETCHED)));
     found.ok_or(PeerError::LibraryNotFound { looked_in: starts })
 }
 
@@ -162,5 +167,54 @@ fn isa(device: &Device) -> &'static str {
         "8 lanes"
     } else {
         "4 lanes"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fetched_library_is_found_from_below() {
+        let root = tempfile::tempdir().unwrap();
+        let program = root.path().join("target/release");
+        let elsewhere = root.path().join("src/deep");
+        fs::create_dir_all(&elsewhere).unwrap();
+        let error = search(None, vec![elsewhere.clone()]).unwrap_err().to_string();
+        for words in ["cargo xtask embree", "EMBREE_LIB", "--embree-lib", "src/deep"] {
+            assert!(error.contains(words), "{error}");
+        }
+
+        let library = root.path().join("target").join(FETCHED).join("libembree4-0123.so.4");
+        fs::create_dir_all(library.parent().unwrap()).unwrap();
+        fs::write(library.with_file_name("libtbb.so"), "").unwrap();
+        fs::write(&library, "").unwrap();
+        for (target, start) in [
+            (None, program),
+            (None, elsewhere),
+            (Some(root.path().join("target")), PathBuf::from("/")),
+        ] {
+            assert_eq!(search(target, vec![start]).unwrap(), library);
+        }
+    }
+
+    #[test]
+    fn paths_that_are_no_library_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let message = |name: &str, bytes: &[u8]| {
+            let path = folder.path().join(name);
+            fs::write(&path, bytes).unwrap();
+            let message = EmbreeLibrary::load(Some(&path)).unwrap_err().to_string();
+            assert!(message.contains(name), "{message}");
+            message
+        };
+        assert!(message("text.so", b"not a library").contains("cannot be loaded as Embree"));
+        let mut elf = b"\x7fELF\x02\x01\x01".to_vec();
+        elf.resize(64, 0);
+        elf[18] = 0x16;
+        assert!(message("other.so", &elf).contains("found a library for machine 0x16"));
+
+        let message = EmbreeLibrary::load(Some(folder.path())).unwrap_err().to_string();
+        assert!(message.contains("where --embree-lib says"), "{message}");
     }
 }
