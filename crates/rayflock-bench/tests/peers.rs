@@ -5,14 +5,16 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
-use rayflock::engine::{self, EngineKind, RayEngine};
+use rayflock::engine::{self, EngineError, EngineKind, RayEngine};
 use rayflock::geom::{
-    FrameChanges, Geometry, GeometryObject, HitBuffer, Mesh, ObjectId, RayBatch, RayBatchError,
-    Sphere,
+    Aabb, FrameChanges, Geometry, GeometryObject, HitBuffer, Mesh, ObjectId, RayBatch,
+    RayBatchError, Sphere,
 };
 use rayflock_bench::peer::PeerError;
 use rayflock_bench::peer::embree::{EmbreeEngine, EmbreeLibrary, Setting};
+use rayflock_bench::peer::obvhs::ObvhsEngine;
 use rayflock_testkit::Rng;
+use rayflock_testkit::scenes::UserBoxes;
 
 /// Frames of a scene where objects stand, move, turn, deform, come, go, and change masks.
 fn frames(rng: &mut Rng) -> Vec<Geometry> {
@@ -167,4 +169,107 @@ fn every_setting_of_embree_agrees_with_the_definition() {
     for setting in Setting::all() {
         check(&mut EmbreeEngine::new(&library, setting).unwrap(), &frames, &rays);
     }
+}
+
+#[test]
+fn embree_ignores_what_is_not_finite_and_takes_it_up_again() {
+    let Some(library) = library() else { return };
+    let mut rng = Rng::new(5);
+    let rays = Rays::random(&mut rng, 300);
+    let whole = soup(&mut rng, 60, 0.8);
+    let mut broken = whole.vertices().to_vec();
+    for idx in (0..broken.len()).step_by(7) {
+        broken[idx] = rng.pick(&[Vec3::NAN, Vec3::INFINITY]);
+    }
+    let broken = whole.with_vertices(broken).unwrap();
+    let flat = whole.with_vertices(vec![Vec3::ONE; whole.vertices().len()]).unwrap();
+    let frame = |mesh: &Mesh| Geometry::new(vec![GeometryObject::new(ObjectId(0), mesh.clone())]);
+    let empty = Geometry::default();
+    let frames: Vec<_> = [&whole, &broken, &whole, &flat, &broken]
+        .map(|mesh| frame(mesh).unwrap())
+        .into_iter()
+        .chain([empty, frame(&whole).unwrap()])
+        .collect();
+    for setting in Setting::all() {
+        check(&mut EmbreeEngine::new(&library, setting).unwrap(), &frames, &rays);
+    }
+}
+
+#[test]
+fn embree_follows_the_number_of_threads() {
+    let Some(library) = library() else { return };
+    let mut rng = Rng::new(3);
+    let (frames, rays) = (frames(&mut rng), Rays::random(&mut rng, 200));
+    let mut engine = EmbreeEngine::new(&library, Setting::default()).unwrap();
+    for thread_count in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(thread_count).build().unwrap();
+        pool.install(|| check(&mut engine, &frames, &rays));
+    }
+    for traversal in Setting::traversals() {
+        engine.set_traversal(traversal);
+        assert!(engine.name().ends_with(&traversal.to_string()), "{}", engine.name());
+        check(&mut engine, &frames[..1], &rays);
+    }
+}
+
+#[test]
+fn embree_keeps_nearer_hits_that_are_there() {
+    let Some(library) = library() else { return };
+    let mut rng = Rng::new(8);
+    let (frames, rays) = (frames(&mut rng), Rays::random(&mut rng, 200));
+    for setting in ["low", "low+packets"].map(|text| text.parse().unwrap()) {
+        let mut engine = EmbreeEngine::new(&library, setting).unwrap();
+        engine.commit(&frames[0], &FrameChanges::all()).unwrap();
+        let batch = &rays.batches()[0];
+        let mut found = HitBuffer::new(batch.len());
+        engine.closest_hit(batch, &mut found.as_hits());
+        let mut earlier = HitBuffer::new(batch.len());
+        for idx in 0..batch.len() {
+            earlier.t[idx] = if idx % 2 == 0 { 0.5 * found.t[idx] } else { 2.0 * found.t[idx] };
+        }
+        let before = earlier.clone();
+        engine.closest_hit(batch, &mut earlier.as_hits());
+        for idx in 0..batch.len() {
+            let hit = found.get(idx);
+            let is_kept = hit.is_miss() || earlier.t[idx] == before.t[idx];
+            let replaces = !hit.is_miss() && hit.t < before.t[idx];
+            assert!(if replaces { earlier.get(idx) == hit } else { is_kept }, "ray {idx}");
+        }
+    }
+}
+
+#[test]
+fn what_peers_cannot_trace_is_an_error() {
+    let boxes = Arc::new(UserBoxes(vec![Aabb { min: Vec3::ZERO, max: Vec3::ONE }]));
+    let ball = Mesh::from_spheres(vec![Sphere::new(Vec3::ZERO, 1.0)]);
+    let frame = |mesh: Mesh| {
+        Geometry::new(vec![GeometryObject::new(ObjectId(2), mesh)]).expect("one object")
+    };
+    let refuses = |engine: &mut dyn RayEngine, frame: &Geometry, expected: &str| {
+        let error = engine.commit(frame, &FrameChanges::all()).unwrap_err();
+        assert!(matches!(&error, EngineError::Unsupported { what, .. } if what == expected));
+        // What is refused leaves an empty frame.
+        let (origins, mut occluded) = ([Vec3::splat(-3.0); 2], [true; 2]);
+        let rays = RayBatch::new(&origins[..], Vec3::ONE).unwrap();
+        engine.occluded(&rays, &mut occluded);
+        assert_eq!(occluded, [false; 2]);
+    };
+    refuses(&mut ObvhsEngine::new(), &frame(Mesh::from_user(boxes.clone())), "user primitives");
+    refuses(&mut ObvhsEngine::new(), &frame(ball), "spheres");
+    if let Some(library) = library() {
+        let mut engine = EmbreeEngine::new(&library, Setting::default()).unwrap();
+        refuses(&mut engine, &frame(Mesh::from_user(boxes)), "user primitives");
+    }
+}
+
+#[test]
+fn obvhs_agrees_with_the_definition() {
+    let mut rng = Rng::new(21);
+    let rays = Rays::random(&mut rng, 400);
+    let without_spheres = |geometry: &Geometry| {
+        geometry.subset(|object| object.shape.spheres().is_empty() && object.mask == u32::MAX)
+    };
+    let mut frames: Vec<_> = frames(&mut rng).iter().map(without_spheres).collect();
+    frames.insert(2, Geometry::default());
+    check(&mut ObvhsEngine::new(), &frames, &rays);
 }
