@@ -78,6 +78,27 @@ pub enum BenchError {
         /// What it could be.
         expected: String,
     },
+    /// A record cannot be read.
+    #[error("{path}: cannot be read")]
+    ReadRecord {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A file is no record.
+    #[error("{path}: line {line}: {message}; expected a record written by --json")]
+    RecordForm {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1.
+        line: usize,
+        /// What is wrong there, and what was expected instead.
+        message: String,
+    },
+    /// A chart cannot be drawn.
+    #[error("cannot draw a chart: {0}")]
+    Draw(String),
 }
 
 fn kind_names() -> String {

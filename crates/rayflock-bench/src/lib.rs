@@ -11,7 +11,8 @@
 //! | [`work`] | you need the map's triangles and rays |
 //! | [`allocations`] | you want to know how often an engine allocates |
 //! | [`ratio`] | you want to know who is ahead, and by how much |
-//! | [`table`] | you read what was measured |
+//! | [`table`], [`report`] | you read what was measured |
+//! | [`compare`] | you want to know what has changed since an earlier record |
 //!
 //! Figures of one run are comparable with each other; those of two runs only as ratios.
 //!
@@ -25,7 +26,8 @@
 //! let scene = Arc::new(rayflock::scene::builtin::build("cornell").ok_or("no such scene")?);
 //! let bench = MuseumBench {
 //!     name: "cornell".to_owned(),
-//!     engines: vec![EngineKind::Brute, EngineKind::Hierarchy],
+//!     engines: vec![EngineKind::Brute.into(), EngineKind::Hierarchy.into()],
+//!     library: None,
 //!     frames: vec![0, 60],
 //!     frame_rate: scene.default_frame_rate(),
 //!     size: [16, 12],
@@ -35,13 +37,14 @@
 //! let mut evaluator = Evaluator::new(Arc::clone(&scene), None)?;
 //! let view = |frame: &SceneFrame| View::new(frame.cameras[0], scene.cameras[0].projection);
 //! let record = museum::measure(&bench, &mut evaluator, &view, &mut || ())?;
-//! assert!(record.cells.iter().all(|cell| cell.mismatches == 0));
+//! assert!(record.same_films());
 //! println!("{}", rayflock_bench::table::format(&record));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![deny(unsafe_code)]
 
 pub mod allocations;
+pub mod compare;
 pub mod contest;
 mod engine_spec;
 mod error;
@@ -51,6 +54,7 @@ pub mod peer;
 mod quartiles;
 pub mod ratio;
 pub mod record;
+pub mod report;
 pub mod scaling;
 pub mod table;
 mod text;

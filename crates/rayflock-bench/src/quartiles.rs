@@ -17,9 +17,6 @@ pub struct Quartiles {
 }
 
 impl Quartiles {
-    /// The spread above which a measurement is marked as noisy.
-    pub const NOISY_SPREAD: f64 = 0.1;
-
     /// The quartiles of `values`, in any order; zero where there are none.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> = values.into_iter().collect();
@@ -31,11 +28,6 @@ impl Quartiles {
     /// Distance of the outer quartiles as a share of the median; 0 where the median is.
     pub fn spread(&self) -> f64 {
         if self.median > 0.0 { (self.upper - self.lower) / self.median } else { 0.0 }
-    }
-
-    /// Whether figures of this spread say little.
-    pub fn is_noisy(spread: f64) -> bool {
-        spread > Self::NOISY_SPREAD
     }
 }
 

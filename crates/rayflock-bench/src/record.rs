@@ -4,6 +4,7 @@
 //! What a benchmark does not measure is `null` or left out.
 
 mod machine;
+mod read;
 
 use std::collections::BTreeMap;
 
@@ -172,6 +173,20 @@ impl Record {
             definition: None,
             cells: Vec::new(),
         }
+    }
+}
+
+impl Cell {
+    /// Mean over the frames of what is neither update nor trace, where pictures were made.
+    pub fn shade_ms(&self) -> Option<f64> {
+        let times: Option<Vec<f64>> = self.phases.iter().map(|phase| phase.shade_ms).collect();
+        let times = times.filter(|times| !times.is_empty())?;
+        Some(times.iter().sum::<f64>() / times.len() as f64)
+    }
+
+    /// Pictures a second: update, trace and shade one after the other.
+    pub fn frames_per_second(&self) -> Option<f64> {
+        Some(1e3 / (self.total_ms? + self.shade_ms()?)).filter(|rate| rate.is_finite())
     }
 }
 

@@ -1,4 +1,4 @@
-//! A record of pictures as text: a row for each frame and engine, a row for the mean of each
+//! A record as text. Of pictures: a row for each frame and engine, a row for the mean of each
 //! engine, and a few lines on what they say together.
 
 use std::fmt::Write;
@@ -6,6 +6,8 @@ use std::fmt::Write;
 use comfy_table::{CellAlignment, Table, presets};
 
 use crate::record::{Cell, Counters, Phase, Record};
+use crate::text::short;
+use crate::{map, scaling};
 
 const HEADER: [&str; 9] = [
     "frame",
@@ -19,8 +21,16 @@ const HEADER: [&str; 9] = [
     "cone tests/ray",
 ];
 
-/// The record for people, ending in a line break.
+/// The record for people, each benchmark in its own way, ending in a line break.
 pub fn format(record: &Record) -> String {
+    match record.benchmark.as_str() {
+        "museum" => pictures(record),
+        "scaling" => scaling::format(record),
+        _ => map::format(record),
+    }
+}
+
+fn pictures(record: &Record) -> String {
     let Some(first) = record.cells.first() else { return String::new() };
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(HEADER);
@@ -33,7 +43,7 @@ pub fn format(record: &Record) -> String {
         column.set_cell_alignment(CellAlignment::Right);
     }
     let table = table.trim_fmt();
-    format!("{}\n\n{table}\n\n{}", title(record, first), summary(record, first))
+    format!("{}\n\n{table}\n\n{}", title(record, first), summary(record))
 }
 
 fn title(record: &Record, first: &Cell) -> String {
@@ -42,15 +52,15 @@ fn title(record: &Record, first: &Cell) -> String {
 }
 
 fn phase_row(cell: &Cell, phase: &Phase) -> [String; 9] {
-    let [lower, upper] = phase.total_quartiles_ms.map(milliseconds);
+    let [lower, upper] = phase.total_quartiles_ms.map(short);
     let [triangle_tests, cone_tests] = per_ray(&phase.counters, phase.rays);
     [
         phase.frame.map_or_else(|| phase.name.clone(), |frame| frame.to_string()),
         cell.engine.clone(),
-        milliseconds(phase.commit_ms),
-        milliseconds(phase.trace_ms),
-        phase.shade_ms.map_or_else(String::new, milliseconds),
-        milliseconds(phase.total_ms),
+        short(phase.commit_ms),
+        short(phase.trace_ms),
+        phase.shade_ms.map_or_else(String::new, short),
+        short(phase.total_ms),
         format!("{lower}..{upper}"),
         triangle_tests,
         cone_tests,
@@ -59,13 +69,13 @@ fn phase_row(cell: &Cell, phase: &Phase) -> [String; 9] {
 
 fn mean_row(cell: &Cell) -> [String; 9] {
     let [triangle_tests, cone_tests] = per_ray(&cell.counters, cell.rays);
-    let optional = |value: Option<f64>| value.map_or_else(String::new, milliseconds);
+    let optional = |value: Option<f64>| value.map_or_else(String::new, short);
     [
         "mean".to_owned(),
         cell.engine.clone(),
         optional(cell.commit_ms),
         optional(cell.trace_ms),
-        String::new(),
+        optional(cell.shade_ms()),
         optional(cell.total_ms),
         format!("spread {:.0}%", 100.0 * cell.spread),
         triangle_tests,
@@ -78,30 +88,32 @@ fn per_ray(counters: &Counters, rays: u64) -> [String; 2] {
         .map(|tests| format!("{:.1}", tests as f64 / rays.max(1) as f64))
 }
 
-/// Two digits behind the point while they say something.
-fn milliseconds(value: f64) -> String {
-    if value < 100.0 { format!("{value:.2}") } else { format!("{value:.0}") }
-}
-
-fn summary(record: &Record, first: &Cell) -> String {
+fn summary(record: &Record) -> String {
     let mut text = String::new();
-    for cell in record.cells.iter().skip(1) {
-        let (engine, than) = (&cell.engine, &first.engine);
-        let (Some(total), Some(first_total)) = (cell.total_ms, first.total_ms) else { continue };
-        let ratio = if total > 0.0 { first_total / total } else { 1.0 };
+    let ratios = record.ratios();
+    for cell in &record.cells {
+        let setting = if cell.setting.is_empty() { "" } else { " with " };
+        let (engine, rate) = (&cell.engine, cell.frames_per_second().unwrap_or_default());
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{engine} is {ratio:.1} times as fast as {than}");
+        let _ =
+            writeln!(text, "{engine}{setting}{}: {} frames a second", cell.setting, short(rate));
     }
-    for cell in record.cells.iter().skip(1) {
-        let _ = writeln!(text, "{}", films(cell, first));
+    for ratio in &ratios.entries {
+        let (engine, than) = (&ratio.ours.engine, &ratio.theirs.engine);
+        let Some(value) = ratio.value() else { continue };
+        let value = short(value);
+        let _ = writeln!(text, "{engine} updates and traces {value} times as fast as {than}");
+    }
+    for cell in &record.cells {
+        let _ = writeln!(text, "{}", film(cell));
     }
     text
 }
 
-fn films(cell: &Cell, first: &Cell) -> String {
-    let engines = format!("films of {} and {}", first.engine, cell.engine);
+fn film(cell: &Cell) -> String {
+    let (engine, frames) = (&cell.engine, cell.phases.len());
     match cell.mismatches {
-        0 => format!("{engines}: the same in every bit"),
-        count => format!("{engines}: {count} PIXELS DIFFER"),
+        0 => format!("films of {engine}: the same in every bit as the first of ours"),
+        count => format!("films of {engine}: {count} PIXELS DIFFER over {frames} frames"),
     }
 }

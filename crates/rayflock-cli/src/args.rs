@@ -16,8 +16,8 @@ use crate::frames::FrameRange;
 use crate::size::Size;
 
 pub(crate) use bench::{
-    BenchArguments, BenchCommand, BenchMapArguments, BenchMuseumArguments, EngineArguments,
-    OutputArguments,
+    BenchArguments, BenchCommand, BenchCompareArguments, BenchMapArguments, BenchMuseumArguments,
+    BenchReportArguments, EngineArguments, OutputArguments,
 };
 pub(crate) use engine::EngineChoice;
 

@@ -84,7 +84,8 @@ fn ray_count(phase: &PiecePhase) -> u64 {
     phase.frames.first().map_or(0, |frame| frame.rays.len() as u64)
 }
 
-fn spread(phase: &Phase) -> f64 {
+/// Distance of the outer quartiles of a total as a share of its median.
+pub(crate) fn spread(phase: &Phase) -> f64 {
     let [lower, upper] = phase.total_quartiles_ms;
     Quartiles { lower, median: phase.total_ms, upper }.spread()
 }
@@ -99,7 +100,8 @@ fn add(a: Judged, b: Judged) -> Judged {
     }
 }
 
-fn mean_counters(phases: &[Phase]) -> Counters {
+/// Means over phases.
+pub(crate) fn mean_counters(phases: &[Phase]) -> Counters {
     let mean = |count: fn(&Counters) -> u64| {
         let sum: u64 = phases.iter().map(|phase| count(&phase.counters)).sum();
         sum / phases.len().max(1) as u64

@@ -2,16 +2,25 @@
 
 use std::time::Instant;
 
-use rayflock::engine::{self, EngineKind};
+use rayflock::engine::RayEngine;
 use rayflock::render::{
     Film, FrameRenderer, FrameStats, RenderError, RenderSettings, View, WhittedRenderer,
 };
 use rayflock::scene::{Scene, SceneFrame};
 
+use crate::EngineSpec;
+use crate::peer::PeerError;
+use crate::peer::embree::EmbreeLibrary;
+
 /// An engine in its renderer, with what was measured of it.
 #[derive(Debug)]
 pub(super) struct Contestant {
-    engine: EngineKind,
+    /// The engine, as it was asked for.
+    pub(super) name: String,
+    /// The setting it runs with, where it has any.
+    pub(super) setting: String,
+    /// Whether it is one of ours, which all agree to the bit.
+    pub(super) is_own: bool,
     renderer: WhittedRenderer,
     film: Film,
     samples: Vec<Sample>,
@@ -32,7 +41,7 @@ pub(super) struct Sample {
     pub(super) stats: FrameStats,
     /// Bytes held by engine and renderer.
     pub(super) memory_bytes: usize,
-    /// Pixels that differ in any bit from the first engine's.
+    /// Pixels that differ in any bit from the reference.
     pub(super) differing_pixels: u64,
 }
 
@@ -44,20 +53,51 @@ impl Sample {
 }
 
 impl Contestant {
-    /// Nothing is rendered yet; `size` is width and height in pixels.
-    pub(super) fn new(engine: EngineKind, [width, height]: [usize; 2]) -> Self {
-        let renderer = WhittedRenderer::new(engine::create(engine));
-        Self { engine, renderer, film: Film::new(width, height), samples: Vec::new() }
+    /// Nothing is rendered yet; `size` is width and height in pixels. The name is that of the
+    /// engine.
+    ///
+    /// # Errors
+    /// [`PeerError`] when the engine cannot be had.
+    pub(super) fn new(
+        spec: EngineSpec,
+        library: Option<&EmbreeLibrary>,
+        size: [usize; 2],
+    ) -> Result<Self, PeerError> {
+        let setting = match spec {
+            EngineSpec::Embree(setting) => setting.to_string(),
+            EngineSpec::Own(_) | EngineSpec::EmbreeBest | EngineSpec::Obvhs => String::new(),
+        };
+        let is_own = matches!(spec, EngineSpec::Own(_));
+        Ok(Self::of(spec.to_string(), setting, is_own, spec.create(library)?, size))
     }
 
-    /// The name of the engine, as it was asked for.
-    pub(super) fn name(&self) -> &str {
-        self.engine.name()
+    fn of(
+        name: String,
+        setting: String,
+        is_own: bool,
+        engine: Box<dyn RayEngine>,
+        [width, height]: [usize; 2],
+    ) -> Self {
+        let renderer = WhittedRenderer::new(engine);
+        Self {
+            name,
+            setting,
+            is_own,
+            renderer,
+            film: Film::new(width, height),
+            samples: Vec::new(),
+        }
     }
 
     /// What was measured, in the order of time.
     pub(super) fn samples(&self) -> &[Sample] {
         &self.samples
+    }
+
+    /// Mean of update and tracing over everything measured, in milliseconds.
+    pub(super) fn mean_total_ms(&self) -> f64 {
+        let sum: f64 = self.samples.iter().map(Sample::total_ms).sum();
+        sum / self.samples.len().max(1) as f64
     }
 
     /// Forgets what was measured so far.
@@ -82,10 +122,10 @@ impl Contestant {
         let commit = self.renderer.commit(scene, frame)?;
         let commit_ms = 1e3 * start.elapsed().as_secs_f64() - milliseconds(commit.conversion_ns);
         let stats = self.renderer.render(view, settings, &mut self.film);
+        let trace_ms = 1e3 * stats.trace_seconds - milliseconds(stats.trace.conversion_ns);
         self.samples.push(Sample {
             commit_ms: commit_ms.max(0.0),
-            trace_ms: (1e3 * stats.trace_seconds - milliseconds(stats.trace.conversion_ns))
-                .max(0.0),
+            trace_ms: trace_ms.max(0.0),
             shade_ms: 1e3 * stats.shade_seconds,
             triangles: commit.prim_count,
             stats,
@@ -95,10 +135,10 @@ impl Contestant {
         Ok(())
     }
 
-    /// Notes in the last sample how far the film differs from that of the `first` engine.
-    pub(super) fn compare_film(&mut self, first: &Self) {
+    /// Notes in the last sample how far the film differs from that of the `reference`.
+    pub(super) fn compare_film(&mut self, reference: &Self) {
         let bits = |pixel: &[f32; 3]| pixel.map(f32::to_bits);
-        let pairs = self.film.pixels().iter().zip(first.film.pixels());
+        let pairs = self.film.pixels().iter().zip(reference.film.pixels());
         let differing = pairs.filter(|(ours, theirs)| bits(ours) != bits(theirs)).count();
         if let Some(sample) = self.samples.last_mut() {
             sample.differing_pixels = differing as u64;
@@ -112,20 +152,53 @@ fn milliseconds(nanoseconds: u64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
+    use rayflock::engine::{CommitStats, EngineError, EngineKind, TraceStats, create};
+    use rayflock::geom::{FrameChanges, Geometry, Hits, RayBatch};
     use rayflock::scene::Projection;
 
     use super::*;
 
+    /// Says that it spent a second on conversions for each commit and each batch.
+    #[derive(Debug)]
+    struct Converting;
+
+    impl RayEngine for Converting {
+        fn name(&self) -> &str {
+            "converting"
+        }
+
+        fn commit(&mut self, _: &Geometry, _: &FrameChanges) -> Result<CommitStats, EngineError> {
+            let conversion_ns = Duration::from_secs(1).as_nanos() as u64;
+            Ok(CommitStats { conversion_ns, ..CommitStats::default() })
+        }
+
+        fn closest_hit(&mut self, _: &RayBatch<'_>, _: &mut Hits<'_>) -> TraceStats {
+            let conversion_ns = Duration::from_secs(1).as_nanos() as u64;
+            TraceStats { conversion_ns, ..TraceStats::default() }
+        }
+
+        fn occluded(&mut self, _: &RayBatch<'_>, _: &mut [bool]) -> TraceStats {
+            TraceStats::default()
+        }
+
+        fn memory_usage(&self) -> usize {
+            0
+        }
+    }
+
+    fn render(engine: Box<dyn RayEngine>) -> Contestant {
+        let mut contestant = Contestant::of(String::new(), String::new(), true, engine, [4, 2]);
+        let (scene, frame) = (Scene::default(), SceneFrame::default());
+        let view = View::new(Default::default(), Projection::Orthographic { height: 1.0 });
+        contestant.render(&scene, &frame, &view, &RenderSettings::default()).unwrap();
+        contestant
+    }
+
     #[test]
     fn a_pixel_that_differs_in_one_bit_is_counted() {
-        let contestant = || {
-            let mut contestant = Contestant::new(EngineKind::Brute, [4, 2]);
-            let (scene, frame) = (Scene::default(), SceneFrame::default());
-            let projection = Projection::Orthographic { height: 1.0 };
-            let view = View::new(Default::default(), projection);
-            contestant.render(&scene, &frame, &view, &RenderSettings::default()).unwrap();
-            contestant
-        };
+        let contestant = || render(create(EngineKind::Brute));
         let (first, mut other) = (contestant(), contestant());
         other.compare_film(&first);
         assert_eq!(other.samples()[0].differing_pixels, 0);
@@ -134,5 +207,12 @@ mod tests {
         *value = f32::from_bits(value.to_bits() ^ 1);
         other.compare_film(&first);
         assert_eq!(other.samples()[0].differing_pixels, 1);
+    }
+
+    #[test]
+    fn conversions_that_users_of_an_engine_would_not_pay_are_taken_off() {
+        let contestant = render(Box::new(Converting));
+        let Sample { commit_ms, trace_ms, .. } = contestant.samples()[0];
+        assert_eq!((commit_ms, trace_ms), (0.0, 0.0), "a second is more than it took");
     }
 }

@@ -5,6 +5,7 @@ use rayflock::render::RayCounts;
 use super::MuseumBench;
 use super::contestant::{Contestant, Sample};
 use crate::Quartiles;
+use crate::contest::{NOISY, mean_counters, spread};
 use crate::ratio::PICTURE;
 use crate::record::{Cell, Counters, Phase, RaysByKind};
 
@@ -27,13 +28,14 @@ pub(super) fn summarize(bench: &MuseumBench, contestant: &Contestant) -> Cell {
         rays: mean(|phase| phase.rays as f64).round() as u64,
         kind: PICTURE.to_owned(),
         scene: bench.name.clone(),
-        engine: contestant.name().to_owned(),
+        engine: contestant.name.clone(),
+        setting: contestant.setting.clone(),
         threads: rayon::current_num_threads(),
         commit_ms: Some(mean(|phase| phase.commit_ms)),
         trace_ms: Some(mean(|phase| phase.trace_ms)),
         total_ms: Some(mean(|phase| phase.total_ms)),
         spread,
-        noisy: Quartiles::is_noisy(spread),
+        noisy: spread > NOISY,
         mismatches: phases.iter().map(|phase| phase.mismatches).sum(),
         counters: mean_counters(&phases),
         memory_bytes: memory.max().unwrap_or(0),
@@ -64,31 +66,11 @@ fn phase(frame: u32, samples: &[Sample]) -> Phase {
     }
 }
 
-fn spread(phase: &Phase) -> f64 {
-    let [lower, upper] = phase.total_quartiles_ms;
-    Quartiles { lower, median: phase.total_ms, upper }.spread()
-}
-
 fn by_kind(rays: &RayCounts) -> RaysByKind {
     RaysByKind {
         primary: rays.primary,
         shadow: rays.shadow,
         mirror: rays.mirror,
         refraction: rays.refraction,
-    }
-}
-
-fn mean_counters(phases: &[Phase]) -> Counters {
-    let mean = |count: fn(&Counters) -> u64| {
-        let sum: u64 = phases.iter().map(|phase| count(&phase.counters)).sum();
-        sum / phases.len().max(1) as u64
-    };
-    Counters {
-        cone_tests: mean(|counters| counters.cone_tests),
-        box_tests: mean(|counters| counters.box_tests),
-        triangle_tests: mean(|counters| counters.triangle_tests),
-        pairs: mean(|counters| counters.pairs),
-        bytes: mean(|counters| counters.bytes),
-        allocations: None,
     }
 }

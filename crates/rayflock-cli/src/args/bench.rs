@@ -1,5 +1,6 @@
 //! Options of `bench`, one subcommand a file.
 
+mod compare;
 mod engines;
 mod map;
 mod museum;
@@ -7,6 +8,7 @@ mod output;
 
 use clap::{Args, Subcommand};
 
+pub(crate) use compare::{BenchCompareArguments, BenchReportArguments};
 pub(crate) use engines::EngineArguments;
 pub(crate) use map::BenchMapArguments;
 pub(crate) use museum::BenchMuseumArguments;
@@ -27,6 +29,10 @@ pub(crate) enum BenchCommand {
     Map(BenchMapArguments),
     /// Measure update, trace and shade time of the pictures of an animation with each engine.
     Museum(BenchMuseumArguments),
+    /// Tell what has changed between two records.
+    Compare(BenchCompareArguments),
+    /// Make a page, tables or a spreadsheet of a record.
+    Report(BenchReportArguments),
 }
 
 impl BenchCommand {
@@ -34,7 +40,8 @@ impl BenchCommand {
     pub(crate) fn threads(&self) -> Option<u16> {
         match self {
             Self::Map(args) => args.engines.threads,
-            Self::Museum(args) => args.threads,
+            Self::Museum(args) => args.engines.threads,
+            Self::Compare(_) | Self::Report(_) => None,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! `rayflock bench`, one subcommand a file.
 
+mod compare;
 mod engines;
 mod map;
 mod museum;
@@ -14,5 +15,7 @@ pub(super) fn run(args: &BenchArguments) -> Result<(), Failure> {
     match &args.command {
         BenchCommand::Map(args) => map::run(args),
         BenchCommand::Museum(args) => museum::run(args),
+        BenchCommand::Compare(args) => compare::compare(args),
+        BenchCommand::Report(args) => compare::report(args),
     }
 }

@@ -1,4 +1,4 @@
-//! `bench museum`.
+//! `bench museum`, and what becomes of records.
 
 use serde_json::Value;
 
@@ -11,8 +11,9 @@ fn bench_museum_compares_engines_frame_by_frame() {
         "bench museum builtin:cornell --engines brute,hierarchy --size 16x12 --frames 3..4 \
          --runs 2 --threads 2 --json b.json",
     );
-    let films = "films of brute and hierarchy: the same in every bit";
-    assert!(run.stdout.contains(films), "{}", run.stdout);
+    for expected in ["films of hierarchy: the same in every bit", "frames a second"] {
+        assert!(run.stdout.contains(expected), "{}", run.stdout);
+    }
     let rows = |engine: &str| run.stdout.lines().filter(|line| line.contains(engine)).count();
     assert!(rows("brute") >= 3 && rows("hierarchy") >= 3, "frames and mean: {}", run.stdout);
 
@@ -78,6 +79,65 @@ fn bench_museum_names_what_is_wrong() {
     }
     assert!(work.names().is_empty(), "{:?}", work.names());
 
-    let run = work.run("bench museum builtin:cornell --size 4x3 --json missing/b.json");
+    let run = work.run("bench museum builtin:cornell --engines brute --json missing/b.json");
     assert_eq!((run.code, run.stdout.as_str()), (1, ""), "{}", run.stderr);
+}
+
+#[test]
+fn a_record_becomes_a_page_and_tables_then_and_later() {
+    let work = Workplace::new();
+    work.run_quietly(
+        "bench museum builtin:cornell --engines brute,hierarchy --size 8x6 --frames 1..2 --runs 1 \
+         --json b.json --html b.html --csv b.csv --markdown b.md",
+    );
+    let run = work
+        .run_quietly("bench report b.json --json c.json --html c.html --csv c.csv --markdown c.md");
+    assert!(run.stdout.contains("frames a second"), "{}", run.stdout);
+    for extension in ["json", "html", "csv", "md"] {
+        let [then, later] = ["b", "c"].map(|name| work.read(&format!("{name}.{extension}")));
+        assert!(then == later && !then.is_empty(), "{extension}");
+    }
+    let page = String::from_utf8(work.read("b.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.contains("builtin:cornell"), "{page}");
+}
+
+#[test]
+fn bench_compare_tells_what_has_changed() {
+    let work = Workplace::new();
+    work.run_quietly(
+        "bench museum builtin:cornell --engines brute,hierarchy --size 8x6 --frames 1 --runs 1 \
+         --json old.json",
+    );
+    let text = String::from_utf8(work.read("old.json")).unwrap();
+    let mut record: Value = serde_json::from_str(&text).unwrap();
+    let total = &mut record["cells"][1]["total_ms"];
+    *total = Value::from(total.as_f64().unwrap() / 4.0);
+    work.write("new.json", record.to_string());
+
+    let run = work.run_quietly("bench compare old.json new.json");
+    for expected in ["2 cells in both", "Most gained", "0.25*"] {
+        assert!(run.stdout.contains(expected), "{expected}: {}", run.stdout);
+    }
+    record["machine"]["cores"] = Value::from(999);
+    work.write("other.json", record.to_string());
+    let run = work.run_quietly("bench compare old.json other.json");
+    assert!(run.stdout.contains("warning: machines differ"), "{}", run.stdout);
+}
+
+#[test]
+fn bench_compare_names_the_file_that_is_no_record_and_its_line() {
+    let work = Workplace::new();
+    work.write("bad.json", "{\n  \"benchmark\": 5\n}\n");
+    for (words, message) in [
+        (
+            "compare bad.json bad.json",
+            "bad.json: line 2: invalid type: integer `5`, expected a string",
+        ),
+        ("compare missing.json bad.json", "missing.json: cannot be read"),
+        ("report bad.json", "expected a record written by --json"),
+    ] {
+        let run = work.run(&format!("bench {words}"));
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{words}");
+        assert!(run.stderr.contains(message), "{words}: {}", run.stderr);
+    }
 }

@@ -1,11 +1,10 @@
 //! Options of `bench museum`.
 
 use clap::Args;
-use rayflock::engine::EngineKind;
 use rayflock::import::UpAxis;
 
-use super::OutputArguments;
-use crate::args::{InputArguments, thread_count};
+use super::{EngineArguments, OutputArguments};
+use crate::args::InputArguments;
 use crate::frames::FrameRange;
 use crate::size::Size;
 
@@ -15,8 +14,8 @@ How it is measured:
   warming up. A frame's times are medians over the runs, with quartiles; the last rows are means
   over the frames. Update is to make the geometry the engine's current frame, coming from the frame
   before; trace is what the engine does with all rays of the picture; shade is the rest of making
-  the picture, which is the same work for every engine. Total is update and trace. The films of our
-  own engines are compared bit by bit.
+  the picture, which is the same work for every engine. Total is update and trace. Films are compared
+  with that of our first engine: those of ours bit by bit, those of others may differ at edges.
 
 Examples:
   rayflock bench museum                                    the first paper's museum
@@ -37,10 +36,6 @@ pub(crate) struct BenchMuseumArguments {
     #[arg(long, value_name = "AXIS", default_value_t = UpAxis::Y)]
     pub(crate) up: UpAxis,
 
-    /// The engines, separated by commas.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "hierarchy")]
-    pub(crate) engines: Vec<EngineKind>,
-
     /// Frames to measure, both ends included, counted from 0: `A..B`, or `A` for one [default:
     /// twenty spread over the whole motion].
     #[arg(long, value_name = "A..B")]
@@ -60,9 +55,9 @@ pub(crate) struct BenchMuseumArguments {
           value_parser = clap::value_parser!(u16).range(1..=10_000))]
     pub(crate) runs: u16,
 
-    /// Threads to work with [default: one a core].
-    #[arg(long, value_name = "N", value_parser = thread_count())]
-    pub(crate) threads: Option<u16>,
+    /// Which engines.
+    #[command(flatten)]
+    pub(crate) engines: EngineArguments,
 
     /// Where the record goes.
     #[command(flatten)]

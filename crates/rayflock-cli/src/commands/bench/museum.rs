@@ -4,10 +4,9 @@ use anyhow::{Context, Result, anyhow};
 use rayflock::render::RenderSettings;
 use rayflock::scene::Evaluator;
 use rayflock_bench::museum::{self, MuseumBench};
-use rayflock_bench::record::Record;
-use rayflock_bench::table;
+use rayflock_bench::{EngineSpec, table};
 
-use super::output;
+use super::{engines, output};
 use crate::args::BenchMuseumArguments;
 use crate::failure::{Blame, Failure};
 use crate::frames::FrameRange;
@@ -24,7 +23,10 @@ pub(super) fn run(args: &BenchMuseumArguments) -> Result<(), Failure> {
     let input = Input::open(&args.input()).blame_input()?;
     let mut evaluator = Evaluator::new(input.scene.clone(), None).blame_input()?;
     let camera = PlannedCamera::new(&evaluator, None, args.size).blame_input()?;
-    let bench = define(args, &input, &evaluator).blame_input()?;
+    let mut bench = define(args, &input, &evaluator).blame_input()?;
+    if bench.engines.iter().any(EngineSpec::needs_embree) {
+        bench.library = engines::library(&args.engines)?;
+    }
     for warning in &input.warnings {
         terminal::say(format_args!("warning: {warning}"));
     }
@@ -39,18 +41,14 @@ pub(super) fn run(args: &BenchMuseumArguments) -> Result<(), Failure> {
 
     output::write(&args.output, &record)?;
     terminal::answer(&table::format(&record)).blame_output()?;
-    if same_films(&record) {
+    if record.same_films() {
         return Ok(());
     }
     Err(anyhow!("{}: the engines' films differ, but must be the same in every bit", input.name))
         .blame_output()
 }
 
-/// Whether all engines rendered the same films to the bit.
-fn same_films(record: &Record) -> bool {
-    record.cells.iter().all(|cell| cell.mismatches == 0)
-}
-
+/// What is to be measured, without the library that some engines need.
 fn define(
     args: &BenchMuseumArguments,
     input: &Input,
@@ -67,7 +65,8 @@ fn define(
     };
     Ok(MuseumBench {
         name: input.name.clone(),
-        engines: args.engines.clone(),
+        engines: args.engines.engines.clone(),
+        library: None,
         frames,
         frame_rate,
         size: [args.size.width as usize, args.size.height as usize],
