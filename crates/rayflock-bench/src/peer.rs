@@ -12,6 +12,7 @@
 //! Peers agree with our engines within the error of their arithmetic, not to the bit, and say where
 //! they do not answer at all: see each one's departures.
 
+mod behind;
 pub mod embree;
 mod error;
 pub mod obvhs;

@@ -2,8 +2,8 @@
 //!
 //! The library is loaded when the program runs ([`EmbreeLibrary`]); nothing of it is needed to
 //! build. How it is used is a [`Setting`]. The stages, in the order of a frame: `write` brings
-//! objects into shared buffers, `group` and `world` decide which geometry and scene they belong to
-//! and have Embree build, `rays` brings a batch into Embree's layout and hits back, `trace` calls
+//! objects into shared buffers, `moving`, `group` and `world` decide which geometry and scene they
+//! belong to and have Embree build, `rays` brings a batch into Embree's layout and hits back, `trace` calls
 //! Embree. `layout` says how things lie in memory, `ffi` is the only module with unsafe code.
 //!
 //! **Source.** I. Wald, S. Woop, C. Benthin, G. Johnson, M. Ernst, "Embree: A Kernel Framework for
@@ -25,6 +25,7 @@ mod ffi;
 mod group;
 mod layout;
 mod library;
+mod moving;
 mod rays;
 mod setting;
 mod trace;

@@ -18,6 +18,7 @@ use std::time::Instant;
 
 use glam::{Vec3A, Vec4};
 use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
@@ -27,10 +28,12 @@ use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 use rayflock::engine::{CommitStats, EngineError, RayEngine, TraceStats};
 use rayflock::geom::{
-    FrameChanges, Geometry, GeometryObject, Hit, Hits, NO_ID, ObjectId, PrimId, RayBatch, RayState,
-    is_degenerate_triangle, transform_point,
+    self, FrameChanges, Geometry, GeometryObject, Hit, Hits, NO_ID, ObjectId, PrimId, RayBatch,
+    RayState, is_degenerate_triangle, transform_point,
 };
 use rayon::prelude::*;
+
+use super::behind;
 
 const NAME: &str = "obvhs";
 /// How trees are built.
@@ -107,14 +110,15 @@ impl ObvhsEngine {
     /// Brings the batch into the library's layout; returns how many rays are invalid. Rays that
     /// are not traced get an empty interval.
     fn convert(&mut self, rays: &RayBatch<'_>, t_bound: Option<&[f32]>) -> u64 {
-        let idle = Ray::new(Vec3A::ZERO, Vec3A::X, 1.0, 0.0);
+        let (idle, bounds) = (Ray::new(Vec3A::ZERO, Vec3A::X, 1.0, 0.0), &self.bvh.total_aabb);
         let convert = |ray_idx: usize| {
             let ray = rays.ray(ray_idx);
             if ray.state() != RayState::Active || ray.mask == 0 {
                 return idle;
             }
             let t_max = t_bound.map_or(ray.t_max, |t_bound| ray.t_max.min(t_bound[ray_idx]));
-            Ray::new(ray.origin.into(), ray.direction.into(), ray.t_min, t_max)
+            let ray = behind::moved(&geom::Ray { t_max, ..ray }, shift(bounds, &ray));
+            Ray::new(ray.origin.into(), ray.direction.into(), ray.t_min, ray.t_max)
         };
         (0..rays.len()).into_par_iter().map(convert).collect_into_vec(&mut self.rays);
         let is_invalid = |&ray_idx: &usize| rays.ray(ray_idx).state() == RayState::Invalid;
@@ -155,16 +159,22 @@ impl ObvhsEngine {
     }
 
     /// Offers what was found to the caller's columns.
-    fn offer(&self, hits: &mut Hits<'_>) {
+    fn offer(&self, rays: &RayBatch<'_>, hits: &mut Hits<'_>) {
         for (ray_idx, &(found, leaf)) in self.found.iter().enumerate() {
             if leaf != NO_ID {
                 let triangle = self.bvh.primitive_indices[leaf as usize];
                 let (object_id, prim_id) = self.ids[triangle as usize];
                 let [t, u, v, _] = found.to_array();
+                let t = t + shift(&self.bvh.total_aabb, &rays.ray(ray_idx));
                 hits.offer(ray_idx, &Hit { t, u, v, object_id, prim_id });
             }
         }
     }
+}
+
+/// How far a ray is moved; see [`behind`].
+fn shift(bounds: &Aabb, ray: &geom::Ray) -> f32 {
+    behind::shift(ray, bounds.min.into(), bounds.max.into())
 }
 
 /// What of an object the library cannot trace.
@@ -210,7 +220,7 @@ impl RayEngine for ObvhsEngine {
         self.trace_closest();
 
         let start = Instant::now();
-        self.offer(hits);
+        self.offer(rays, hits);
         conversion_ns += nanoseconds_since(start);
         stats(rays, invalid_rays, conversion_ns)
     }

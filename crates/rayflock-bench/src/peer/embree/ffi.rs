@@ -116,7 +116,7 @@ struct Reports {
 pub(super) struct Device {
     library: Arc<Library>,
     handle: Handle,
-    reports: Box<Reports>,
+    reports: Arc<Reports>,
 }
 
 // SAFETY: Embree's devices may be used and released from any thread; `Reports` is thread-safe.
@@ -127,7 +127,7 @@ unsafe impl Sync for Device {}
 impl Device {
     /// Starts Embree; the error says why it refuses.
     pub(super) fn new(library: &Arc<Library>, config: &CStr) -> Result<Self, String> {
-        let (library, reports) = (Arc::clone(library), Box::<Reports>::default());
+        let (library, reports) = (Arc::clone(library), Arc::<Reports>::default());
         let functions = &library.functions;
         // SAFETY: `config` ends with a zero.
         let handle = unsafe { (functions.new_device)(config.as_ptr()) };
@@ -136,7 +136,7 @@ impl Device {
             let code = unsafe { (functions.device_error)(handle) };
             return Err(error_name(code).to_owned());
         }
-        let user = ptr::from_ref::<Reports>(&reports).cast_mut().cast::<c_void>();
+        let user = Arc::as_ptr(&reports).cast_mut().cast::<c_void>();
         // SAFETY: the callbacks read `user` as the `Reports` that it is, only while the device
         // lives, which `drop` ends before the reports are gone.
         unsafe {
@@ -206,12 +206,28 @@ fn error_name(code: c_int) -> &'static str {
 #[derive(Debug)]
 struct Slot {
     handle: Handle,
+    /// The scene that Embree was given to instance, or null.
+    shown: Handle,
     /// Coordinates with room for a sixteen-byte read of the last vertex; empty for instances.
     vertices: Vec<f32>,
     /// Read by Embree alone.
     triangles: Vec<[u32; 3]>,
     /// The scene that an instance shows.
     scene: Option<Box<Scene>>,
+}
+
+impl Slot {
+    /// A geometry that is no instance.
+    fn new(handle: Handle, vertices: Vec<f32>, triangles: Vec<[u32; 3]>) -> Self {
+        Self { handle, shown: ptr::null_mut(), vertices, triangles, scene: None }
+    }
+
+    /// Whether what Embree reads through this geometry is ready: the scene of an instance is
+    /// committed, and still the one that Embree was given as `shown`.
+    fn is_ready(&self) -> bool {
+        let is_ready = |scene: &Scene| scene.is_committed && scene.handle == self.shown;
+        self.scene.as_deref().is_none_or(is_ready)
+    }
 }
 
 /// What can be hit.
@@ -268,7 +284,7 @@ impl Scene {
             let (data, count) = (triangles.as_ptr().cast(), triangles.len());
             set(handle, BUFFER_INDEX, 0, FORMAT_UINT3, data, 0, 12, count);
         }
-        self.attach(id, Slot { handle, vertices, triangles, scene: None });
+        self.attach(id, Slot::new(handle, vertices, triangles));
     }
 
     /// Adds spheres as geometry `id`: three coordinates and the radius each.
@@ -283,7 +299,7 @@ impl Scene {
             let (data, count) = (spheres.as_ptr().cast(), spheres.len() / 4);
             set(handle, BUFFER_VERTEX, 0, FORMAT_FLOAT4, data, 0, 16, count);
         }
-        self.attach(id, Slot { handle, vertices: spheres, triangles: Vec::new(), scene: None });
+        self.attach(id, Slot::new(handle, spheres, Vec::new()));
     }
 
     /// Adds an instance of `scene`, at its place and seen by all rays, as geometry `id`.
@@ -294,8 +310,9 @@ impl Scene {
         let handle = self.new_geometry(GEOMETRY_INSTANCE);
         // SAFETY: both handles are alive; the slot owns the scene.
         unsafe { (self.device.library.functions.set_instanced_scene)(handle, scene.handle) }
-        let scene = Some(Box::new(scene));
-        self.attach(id, Slot { handle, vertices: Vec::new(), triangles: Vec::new(), scene });
+        let shown = scene.handle;
+        let slot = Slot::new(handle, Vec::new(), Vec::new());
+        self.attach(id, Slot { shown, scene: Some(Box::new(scene)), ..slot });
         self.set_mask(id, u32::MAX);
     }
 
@@ -409,8 +426,10 @@ impl Scene {
     /// # Panics
     /// When such a scene is not.
     pub(super) fn commit(&mut self) {
-        let ready = |slot: &Slot| slot.scene.as_ref().is_none_or(|scene| scene.is_committed);
-        assert!(self.slots.values().all(ready), "instanced scenes must be committed first");
+        assert!(
+            self.slots.values().all(Slot::is_ready),
+            "instanced scenes must be committed first"
+        );
         // SAFETY: all handles and buffers are alive, and `&mut` keeps others from tracing.
         unsafe { (self.device.library.functions.commit_scene)(self.handle) }
         self.is_committed = true;

@@ -3,15 +3,14 @@
 //! Embree's own users make their rays in that layout in the first place, so this is conversion. A
 //! block of sixteen rays keeps only what differs from ray to ray; what is the same for all stays
 //! in the packet on the stack of whoever traces.
-//!
-//! **Departures.** Embree knows no rays that begin behind their origin: such a ray is moved back to
-//! where it begins, at most by the extent of the frame, and its hits are moved forward again.
 
+use glam::Vec3;
 use rayflock::geom::{Hit, Hits, Ray, RayBatch, RayState};
 use rayon::prelude::*;
 
 use super::layout::{self, Bounds, INVALID_ID, WIDTH};
 use super::world::World;
+use crate::peer::behind;
 
 /// Rays a task.
 pub(super) const CHUNK: usize = 1024;
@@ -180,31 +179,22 @@ impl Batch<'_> {
             return (IDLE, state);
         }
         let t_max = self.t_bound.map_or(ray.t_max, |t_bound| ray.t_max.min(t_bound[ray_idx]));
-        let shift = self.shift(&ray);
+        let ray = behind::moved(&Ray { t_max, ..ray }, self.shift(&ray));
         let converted = layout::Ray {
-            org: if shift == 0.0 { ray.origin } else { ray.at(shift) }.to_array(),
-            t_near: if shift == 0.0 { ray.t_min } else { 0.0 },
+            org: ray.origin.to_array(),
+            t_near: ray.t_min,
             dir: ray.direction.to_array(),
-            t_far: t_max - shift,
+            t_far: ray.t_max,
             mask: ray.mask,
             ..IDLE
         };
         (converted, state)
     }
 
-    /// How far the origin is moved along the direction: 0, or less for a ray that begins behind.
     fn shift(&self, ray: &Ray) -> f32 {
-        if ray.t_min >= 0.0 {
-            return 0.0;
-        }
-        let origin = ray.origin.to_array();
-        let far = |axis: usize| {
-            let to_corners = [self.bounds.lower[axis], self.bounds.upper[axis]];
-            to_corners.map(|corner| (corner - origin[axis]).abs()).into_iter().fold(0.0, f32::max)
-        };
-        let distance = glam::Vec3::new(far(0), far(1), far(2)).length();
-        let reach = distance / ray.direction.length();
-        if reach.is_finite() { ray.t_min.max(-reach) } else { 0.0 }
+        let [lower, upper] = [self.bounds.lower, self.bounds.upper];
+        let corner = |[x, y, z, _]: [f32; 4]| Vec3::new(x, y, z);
+        behind::shift(ray, corner(lower), corner(upper))
     }
 
     /// Offers what rays found to the caller's columns.

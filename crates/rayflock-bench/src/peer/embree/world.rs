@@ -6,7 +6,6 @@
 //! | instances | one for what is static and one for what moves, instanced in a third |
 //! | merged | one, with one geometry |
 //!
-//! An object is static until it changes for the first time; an object that comes later moves.
 //! Static geometry is built at medium quality.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -22,6 +21,7 @@ use super::layout::{
     Bounds, FEATURE_INSTANCE, FEATURE_SPHERE_POINT, FEATURE_TRIANGLE, QUALITY_LOW, QUALITY_MEDIUM,
     QUALITY_REFIT, SCENE_DYNAMIC, SCENE_ROBUST,
 };
+use super::moving::Moving;
 use super::{Build, Layout, Quality};
 
 /// The current frame.
@@ -32,8 +32,7 @@ pub(super) struct World {
     /// By object or, merged, by mask.
     groups: BTreeMap<u32, Group>,
     owners: Owners,
-    /// Objects that have moved.
-    moving: BTreeSet<ObjectId>,
+    moving: Moving,
     /// What was committed last.
     previous: Option<Geometry>,
     conversion_ns: u64,
@@ -67,7 +66,7 @@ impl World {
             root,
             groups: BTreeMap::new(),
             owners: Owners::default(),
-            moving: BTreeSet::new(),
+            moving: Moving::default(),
             previous: None,
             conversion_ns: 0,
         }
@@ -77,11 +76,10 @@ impl World {
     pub(super) fn commit(&mut self, geometry: &Geometry) -> CommitStats {
         self.conversion_ns = 0;
         let start = Instant::now();
-        let changes = match &self.previous {
-            Some(previous) => FrameChanges::between(previous, geometry),
-            None => FrameChanges::all(),
-        };
-        self.note_moving(&changes);
+        let previous = self.previous.as_ref();
+        let changes = previous.map(|previous| FrameChanges::between(previous, geometry));
+        self.moving.note(changes.as_ref());
+        let changes = changes.unwrap_or_default();
         let wanted = self.arrange(geometry);
         self.converted_since(start);
 
@@ -115,23 +113,12 @@ impl World {
         self.conversion_ns += start.elapsed().as_nanos() as u64;
     }
 
-    fn note_moving(&mut self, changes: &FrameChanges) {
-        let is_first = self.previous.is_none();
-        for (id, change) in changes.iter().filter(|_| !is_first) {
-            match change {
-                ObjectChange::Unchanged => {}
-                ObjectChange::Removed => _ = self.moving.remove(&id),
-                _ => _ = self.moving.insert(id),
-            }
-        }
-    }
-
     /// Which groups this frame is made of.
     fn arrange<'a>(&self, geometry: &'a Geometry) -> BTreeMap<u32, Wanted<'a>> {
         let mut wanted = BTreeMap::new();
         for object in geometry.objects() {
             let is_merged = self.build.layout == Layout::Merged;
-            let is_moving = is_merged || self.moving.contains(&object.id);
+            let is_moving = is_merged || self.moving.contains(object.id);
             let part = if is_moving { Part::Moving } else { Part::Static };
             let key = if is_merged { object.mask } else { object.id.0 };
             let new = || Wanted { part, mask: object.mask, objects: Vec::new() };
