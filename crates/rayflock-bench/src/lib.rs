@@ -3,7 +3,8 @@
 //! | Part | Use it when |
 //! |---|---|
 //! | [`map`] | you want to know what any number of triangles and rays costs with each engine |
-//! | [`museum`] | you want to know what the frames of an animation cost with each engine |
+//! | [`museum`] | you want to know what whole pictures of an animation cost with each engine |
+//! | [`scene`] | you want to know what rays of each kind cost over an animation |
 //! | [`scaling`] | you want to know how cost grows with triangles, rays and threads |
 //! | [`contest`] | you have work of your own and want engines measured on it |
 //! | [`EngineSpec`], [`peer`] | you want another engine than ours |
@@ -50,12 +51,14 @@ mod engine_spec;
 mod error;
 pub mod map;
 pub mod museum;
+mod notes;
 pub mod peer;
 mod quartiles;
 pub mod ratio;
 pub mod record;
 pub mod report;
 pub mod scaling;
+pub mod scene;
 pub mod table;
 mod text;
 pub mod work;

@@ -63,3 +63,63 @@ pub fn measure(bench: &MapBench, watch: &mut dyn Watch) -> Result<Record, BenchE
     }
     Ok(record)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::EngineSpec;
+    use crate::contest::{Effort, Progress};
+    use crate::work::RayKind;
+
+    /// Notes how it goes, and stops after some cells.
+    struct Counting {
+        seen: Vec<(usize, usize)>,
+        last: usize,
+    }
+
+    impl Watch for Counting {
+        fn on_cell(&mut self, progress: &Progress<'_>) {
+            self.seen.push((progress.done_count, progress.count));
+        }
+
+        fn is_stopped(&self) -> bool {
+            self.seen.len() >= self.last
+        }
+    }
+
+    fn bench() -> MapBench {
+        let mut definition = Definition::default_map();
+        definition.triangles = vec![10, 30];
+        definition.rays = vec![16, 64];
+        definition.kinds = vec![RayKind::Mirror, RayKind::Suns];
+        let engines = ["hierarchy", "brute"].map(|name| name.parse::<EngineSpec>().unwrap());
+        MapBench { definition, setup: Setup::new(engines.into(), Effort::of_runs(1)) }
+    }
+
+    #[test]
+    fn the_map_has_a_cell_for_each_size_kind_and_engine() {
+        let mut watch = Counting { seen: Vec::new(), last: usize::MAX };
+        let record = measure(&bench(), &mut watch).unwrap();
+        assert_eq!(watch.seen, (1..=8).map(|done| (done, 8)).collect::<Vec<_>>());
+        assert_eq!((record.benchmark.as_str(), record.cells.len()), ("map", 16));
+        assert_eq!(record.definition.as_deref(), Some(bench().definition.text()));
+        assert!(record.cells.iter().all(|cell| cell.mismatches == 0 && cell.total_ms.is_some()));
+        let first = &record.cells[0];
+        assert_eq!((first.triangles, first.rays, first.kind.as_str()), (10, 16, "mirror"));
+    }
+
+    #[test]
+    fn stopped_it_keeps_the_cells_that_are_whole() {
+        let mut watch = Counting { seen: Vec::new(), last: 3 };
+        let record = measure(&bench(), &mut watch).unwrap();
+        assert_eq!(record.cells.len(), 6);
+    }
+
+    #[test]
+    fn nothing_to_measure_is_an_error() {
+        let mut none = bench();
+        none.definition.rays.clear();
+        let mut watch = Counting { seen: Vec::new(), last: 1 };
+        assert!(measure(&none, &mut watch).unwrap_err().to_string().contains("no rays"));
+    }
+}

@@ -116,3 +116,46 @@ impl ScalingBench {
         Ok(true)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::EngineSpec;
+    use crate::contest::{Effort, Unwatched};
+    use crate::work::RayKind;
+
+    fn bench() -> ScalingBench {
+        let mut definition = Definition::default_map();
+        definition.triangles = vec![10, 20, 40];
+        definition.rays = vec![16, 64];
+        definition.kinds = vec![RayKind::Primary];
+        let hierarchy: EngineSpec = "hierarchy".parse().unwrap();
+        ScalingBench {
+            definition,
+            fixed_triangles: 20,
+            fixed_rays: 64,
+            threads: vec![1, 2],
+            setup: Setup::new(vec![hierarchy], Effort::of_runs(1)),
+        }
+    }
+
+    #[test]
+    fn one_count_varies_at_a_time_and_no_cell_comes_twice() {
+        let record = measure(&bench(), &mut Unwatched).unwrap();
+        let cell = |cell: &crate::record::Cell| (cell.triangles, cell.threads, cell.rays);
+        let cells: Vec<_> = record.cells.iter().map(cell).collect();
+        assert_eq!(cells, [(10, 2, 64), (20, 1, 64), (20, 2, 16), (20, 2, 64), (40, 2, 64)]);
+        assert_eq!(bench().cell_count().unwrap(), cells.len());
+        let slopes = slopes(&record);
+        assert_eq!((slopes.len(), slopes[0].against), (1, Against::Triangles));
+    }
+
+    #[test]
+    fn nothing_to_measure_is_an_error() {
+        let none = ScalingBench { threads: Vec::new(), ..bench() };
+        assert!(measure(&none, &mut Unwatched).unwrap_err().to_string().contains("no threads"));
+        let mut none = bench();
+        none.definition.kinds.clear();
+        assert!(none.cell_count().unwrap_err().to_string().contains("no kinds"));
+    }
+}

@@ -17,7 +17,8 @@ use crate::size::Size;
 
 pub(crate) use bench::{
     BenchArguments, BenchCommand, BenchCompareArguments, BenchMapArguments, BenchMuseumArguments,
-    BenchReportArguments, EngineArguments, OutputArguments,
+    BenchReportArguments, BenchScalingArguments, BenchSceneArguments, EngineArguments,
+    OutputArguments,
 };
 pub(crate) use engine::EngineChoice;
 

@@ -47,10 +47,25 @@ impl Effort {
         max_rounds: 200,
         phase_time: Duration::from_millis(500),
         short_time: Duration::from_millis(150),
-        frame_limit: Duration::from_millis(500),
+        frame_limit: Duration::from_millis(1000),
         screen_time: Duration::from_millis(1500),
-        cell_time: Duration::from_secs(6),
+        cell_time: Duration::from_secs(4),
     };
+
+    /// Exactly `run_count` rounds a phase, however long they take.
+    pub const fn of_runs(run_count: usize) -> Self {
+        let for_ever = Duration::from_secs(1 << 20);
+        Self {
+            min_rounds: run_count,
+            usual_rounds: run_count,
+            max_rounds: run_count,
+            phase_time: for_ever,
+            short_time: Duration::ZERO,
+            frame_limit: Duration::from_secs(10),
+            screen_time: Self::FULL.screen_time,
+            cell_time: for_ever,
+        }
+    }
 
     /// Whether a phase ends after `round_count` rounds in `elapsed`, the last of which took
     /// `last`; `remaining` is what is left of the cell's time for this phase.

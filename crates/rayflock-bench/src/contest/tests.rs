@@ -11,18 +11,6 @@ use crate::record::Judged;
 use crate::work::{Definition, RayKind};
 use fake::{FakeEngine, Log, Tamper};
 
-/// Rounds that do not depend on the clock.
-const THREE_ROUNDS: Effort = Effort {
-    min_rounds: 3,
-    usual_rounds: 3,
-    max_rounds: 3,
-    phase_time: Duration::from_secs(1000),
-    short_time: Duration::ZERO,
-    frame_limit: Duration::from_secs(1000),
-    screen_time: Duration::from_secs(1000),
-    cell_time: Duration::from_secs(1000),
-};
-
 /// A small room with a few moving triangles.
 fn piece(kind: RayKind, rays: usize) -> Piece {
     let mut definition = Definition::default_map();
@@ -38,7 +26,7 @@ fn contest(contestants: Vec<Contestant>) -> Contest {
         entries,
         reference: None,
         library: None,
-        effort: THREE_ROUNDS,
+        effort: Effort::of_runs(3),
         meter: Meter::default(),
     }
 }

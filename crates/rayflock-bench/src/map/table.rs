@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use comfy_table::{CellAlignment, Table, presets};
 
+use crate::notes::notes;
 use crate::ratio::{Ratio, Ratios};
 use crate::record::{Cell, Record};
 use crate::text::{count, short};
@@ -123,33 +124,6 @@ fn summary(ratios: &Ratios<'_>, engine: &str) -> String {
         summary.behind,
         summary.skipped
     )
-}
-
-/// What has to be said about some cells.
-fn notes(record: &Record) -> String {
-    let mut text = String::new();
-    let noisy = record.cells.iter().filter(|cell| cell.noisy).count();
-    if noisy > 0 {
-        let _ = writeln!(
-            text,
-            "* noisy: quartiles more than a tenth of the median apart ({noisy} entries)"
-        );
-    }
-    let differing: Vec<_> = record.cells.iter().filter(|cell| cell.mismatches > 0).collect();
-    if !differing.is_empty() {
-        text.push_str("! rays answered otherwise than by the reference:\n");
-    }
-    for cell in differing {
-        let Cell { engine, kind, mismatches, judged, .. } = cell;
-        let (triangles, rays) = (count(cell.triangles), count(cell.rays as usize));
-        let _ = writeln!(
-            text,
-            "  {triangles} x {rays} {kind}, {engine}: {mismatches}; of {} judged, right are: both \
-             {}, only this {}, only the reference {}, neither {}",
-            judged.rays, judged.both_right, judged.only_this, judged.only_reference, judged.neither
-        );
-    }
-    text
 }
 
 #[cfg(test)]

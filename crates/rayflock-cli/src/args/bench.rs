@@ -5,6 +5,8 @@ mod engines;
 mod map;
 mod museum;
 mod output;
+mod scaling;
+mod scene;
 
 use clap::{Args, Subcommand};
 
@@ -13,6 +15,8 @@ pub(crate) use engines::EngineArguments;
 pub(crate) use map::BenchMapArguments;
 pub(crate) use museum::BenchMuseumArguments;
 pub(crate) use output::OutputArguments;
+pub(crate) use scaling::BenchScalingArguments;
+pub(crate) use scene::BenchSceneArguments;
 
 /// Options of `bench`.
 #[derive(Debug, Args)]
@@ -27,6 +31,10 @@ pub(crate) struct BenchArguments {
 pub(crate) enum BenchCommand {
     /// Measure moving triangles x rays x kinds of rays with each engine.
     Map(BenchMapArguments),
+    /// Measure rays of each kind over the frames of an animation with each engine.
+    Scene(BenchSceneArguments),
+    /// Measure how cost grows with triangles, rays and threads.
+    Scaling(BenchScalingArguments),
     /// Measure update, trace and shade time of the pictures of an animation with each engine.
     Museum(BenchMuseumArguments),
     /// Tell what has changed between two records.
@@ -40,6 +48,8 @@ impl BenchCommand {
     pub(crate) fn threads(&self) -> Option<u16> {
         match self {
             Self::Map(args) => args.engines.threads,
+            Self::Scene(args) => args.engines.threads,
+            Self::Scaling(args) => args.engines.threads,
             Self::Museum(args) => args.engines.threads,
             Self::Compare(_) | Self::Report(_) => None,
         }

@@ -5,6 +5,8 @@ mod engines;
 mod map;
 mod museum;
 mod output;
+mod scaling;
+mod scene;
 mod watcher;
 
 use crate::args::{BenchArguments, BenchCommand};
@@ -14,6 +16,8 @@ use crate::failure::Failure;
 pub(super) fn run(args: &BenchArguments) -> Result<(), Failure> {
     match &args.command {
         BenchCommand::Map(args) => map::run(args),
+        BenchCommand::Scene(args) => scene::run(args),
+        BenchCommand::Scaling(args) => scaling::run(args),
         BenchCommand::Museum(args) => museum::run(args),
         BenchCommand::Compare(args) => compare::compare(args),
         BenchCommand::Report(args) => compare::report(args),
