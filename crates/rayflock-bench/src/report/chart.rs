@@ -75,7 +75,9 @@ impl Chart<'_> {
             }
             (Scale::Logarithmic, x, y) => {
                 let x = (x[0]..x[1].max(2.0 * x[0])).log_scale().base(2.0);
-                let y = (y[0] / 1.5..y[1] * 1.5).log_scale().base(10.0);
+                let decade = |value: f64, round: fn(f64) -> f64| 10f64.powf(round(value.log10()));
+                let (least, most) = (decade(y[0], f64::floor), decade(y[1], f64::ceil));
+                let y = (least..most.max(10.0 * least)).log_scale().base(10.0);
                 self.draw_on(&mut svg, x, y)
             }
         };
@@ -115,13 +117,13 @@ impl Chart<'_> {
             .configure_mesh()
             .x_desc(self.x_label)
             .y_desc(self.y_label)
-            .axis_desc_style(("sans-serif", 14).into_font().color(&INK))
-            .label_style(("sans-serif", 13).into_font().color(&INK))
+            .axis_desc_style(("sans-serif", 15).into_font().color(&INK))
+            .label_style(("sans-serif", 14).into_font().color(&INK))
             .axis_style(INK.mix(0.6))
             .bold_line_style(GRID)
             .light_line_style(TRANSPARENT)
             .x_label_formatter(&|value| x_text(*value))
-            .y_label_formatter(&|value| short(*value))
+            .y_label_formatter(&|value| self.y_text(*value))
             .draw()?;
         for series in &self.series {
             let color = color(series.color_idx);
@@ -137,6 +139,18 @@ impl Chart<'_> {
         }
         area.present()?;
         Ok(())
+    }
+
+    /// A number on the axis upward, without digits that say nothing. Powers of ten are enough
+    /// where the axis is logarithmic.
+    fn y_text(&self, value: f64) -> String {
+        let logarithm = value.log10();
+        let is_power = (logarithm - logarithm.round()).abs() < 1e-6;
+        if self.scale == Scale::Logarithmic && !is_power {
+            return String::new();
+        }
+        let text = format!("{value:.4}");
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
     }
 
     /// The drawing in the colours of the page, as wide as it may be.
@@ -172,10 +186,4 @@ impl Chart<'_> {
 
 fn color(idx: usize) -> RGBColor {
     RGBColor(SERIES.0, SERIES.1, (idx % SERIES_COUNT) as u8)
-}
-
-/// A number on an axis, without digits that say nothing.
-fn short(value: f64) -> String {
-    let rounded = format!("{value:.3}");
-    rounded.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

@@ -1,9 +1,10 @@
 //! What stands above all sections: what was measured, on what, when.
 
+use std::collections::BTreeSet;
+
 use maud::{Markup, html};
 
 use super::figures::plural;
-use crate::ratio::distinct;
 use crate::record::Record;
 
 /// What a benchmark is called, and what it asks.
@@ -36,7 +37,7 @@ pub(super) fn title(record: &Record) -> (String, &'static str) {
 pub(super) fn heading(record: &Record) -> Markup {
     let (title, question) = title(record);
     let machine = &record.machine;
-    let threads = distinct(record.cells.iter().map(|cell| cell.threads));
+    let threads: BTreeSet<usize> = record.cells.iter().map(|cell| cell.threads).collect();
     let threads: Vec<String> = threads.iter().map(usize::to_string).collect();
     let versions: Vec<String> =
         record.versions.iter().map(|(name, version)| format!("{name} {version}")).collect();

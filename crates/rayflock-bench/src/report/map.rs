@@ -47,11 +47,15 @@ fn card(engine: &str, opponent: &str, summary: &Summary) -> Markup {
             p.name { (engine) }
             @if let (Some(mean), Some(least), Some(most)) = (summary.mean, summary.least, summary.most) {
                 p.big { (factor(mean)) "×" }
-                p { "as fast as " (opponent) " in the geometric mean of "
-                    (plural(compared, "cell", "cells")) }
-                p.muted { "ahead in " (summary.ahead) ", behind in " (summary.behind)
-                    @if summary.skipped > 0 { ", skipped in " (summary.skipped) }
-                    "; from " (factor(least)) "× to " (factor(most)) "×" }
+                @if compared == 1 {
+                    p { "as fast as " (opponent) }
+                } @else {
+                    p { "as fast as " (opponent) " in the geometric mean of "
+                        (plural(compared, "cell", "cells")) }
+                    p.muted { "ahead in " (summary.ahead) ", behind in " (summary.behind)
+                        @if summary.skipped > 0 { ", skipped in " (summary.skipped) }
+                        "; from " (factor(least)) "× to " (factor(most)) "×" }
+                }
             } @else {
                 p.big { "–" }
                 p { "skipped in " (plural(summary.skipped, "cell", "cells")) }

@@ -66,7 +66,7 @@ fn a_page_tells_the_figures_of_each_cell() {
     }
     for expected in [
         "hierarchy: commit 0.500 + trace 0.375 = 0.875 ms, spread 40 %",
-        "embree:best (low+instances+packets): commit 2.00 + trace 4.13 = 6.13 ms",
+        "embree:best (low+instances+packets): commit 2.00 + trace 4.12 = 6.12 ms",
         "as fast as Embree in the geometric mean of 3 cells",
         "ahead in 3, behind in 0, skipped in 1",
         "<td class=\"number\">310</td>",

@@ -1,5 +1,6 @@
 //! Milliseconds of every cell and engine, and Embree's settings behind its figures.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use maud::{Markup, html};
@@ -8,34 +9,85 @@ use super::figures::{count, factor, milliseconds, percent};
 use crate::ratio::{Ratio, Ratios, Work, distinct};
 use crate::record::{Cell, Record};
 
-/// How often which setting gave the figure of a cell; nothing where no engine has settings.
+/// Which settings gave the figures: how often each, then cell by cell; nothing where no engine has
+/// settings.
 pub(super) fn settings(record: &Record) -> Markup {
     let mut chosen: BTreeMap<(&str, &str), Vec<&Cell>> = BTreeMap::new();
     for cell in record.cells.iter().filter(|cell| !cell.setting.is_empty()) {
         chosen.entry((&cell.engine, &cell.setting)).or_default().push(cell);
     }
     let mut chosen: Vec<_> = chosen.into_iter().collect();
-    chosen.sort_by_key(|(_, cells)| std::cmp::Reverse(cells.len()));
+    chosen.sort_by_key(|(_, cells)| Reverse(cells.len()));
+    let engines = distinct(chosen.iter().map(|((engine, _), _)| *engine));
     html! {
         @if !chosen.is_empty() {
             section {
                 h2 { "The settings behind the figures" }
-                div.scroll { table.figures {
-                    thead { tr {
-                        th { "engine" } th { "setting" } th.number { "cells" } th { "rays" }
-                        th { "triangles" }
-                    } }
-                    tbody {
-                        @for ((engine, setting), cells) in &chosen {
-                            tr {
-                                td { (engine) } td { code { (setting) } }
-                                td.number { (cells.len()) }
-                                td { (list(cells.iter().map(|cell| cell.kind.clone()))) }
-                                td { (list(cells.iter().map(|cell| count(cell.triangles as u64)))) }
+                (setting_counts(&chosen))
+                @if record.benchmark == "map" {
+                    @for engine in engines {
+                        details {
+                            summary { (engine) ", cell by cell" }
+                            div.heats {
+                                @for kind in record.kinds() { (setting_table(record, engine, kind)) }
                             }
                         }
                     }
+                }
+            }
+        }
+    }
+}
+
+fn setting_counts(chosen: &[((&str, &str), Vec<&Cell>)]) -> Markup {
+    html! {
+        div.scroll { table.figures {
+            thead { tr {
+                th { "engine" } th { "setting" } th.number { "cells" } th { "rays" }
+                th { "triangles" }
+            } }
+            tbody {
+                @for ((engine, setting), cells) in chosen {
+                    tr {
+                        td { (engine) } td { code { (setting) } }
+                        td.number { (cells.len()) }
+                        td { (list(cells.iter().map(|cell| cell.kind.clone()))) }
+                        td { (list(cells.iter().map(|cell| count(cell.triangles as u64)))) }
+                    }
+                }
+            }
+        } }
+    }
+}
+
+/// Triangles down, rays across, the words of a setting in each cell.
+fn setting_table(record: &Record, engine: &str, kind: &str) -> Markup {
+    let cells = record
+        .cells
+        .iter()
+        .filter(|cell| (cell.engine.as_str(), cell.kind.as_str()) == (engine, kind));
+    let cells: Vec<&Cell> = cells.collect();
+    let triangles = distinct(cells.iter().map(|cell| cell.triangles));
+    let rays = distinct(cells.iter().map(|cell| cell.rays));
+    let find = |triangles, rays| {
+        cells.iter().find(|cell| (cell.triangles, cell.rays) == (triangles, rays))
+    };
+    html! {
+        figure.heat {
+            figcaption { (kind) }
+            table.words {
+                thead { tr {
+                    td.corner { span.down { "T" } span.across { "R" } }
+                    @for &rays in &rays { th scope="col" { (count(rays)) } }
                 } }
+                tbody { @for &triangles in &triangles { tr {
+                    th scope="row" { (count(triangles as u64)) }
+                    @for &rays in &rays { td.none {
+                        @if let Some(cell) = find(triangles, rays) {
+                            @for word in cell.setting.split('+') { span { (word) } }
+                        }
+                    } }
+                } } }
             }
         }
     }

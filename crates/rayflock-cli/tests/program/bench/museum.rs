@@ -115,7 +115,7 @@ fn bench_compare_tells_what_has_changed() {
     work.write("new.json", record.to_string());
 
     let run = work.run_quietly("bench compare old.json new.json");
-    for expected in ["2 cells in both", "Most gained", "0.25*"] {
+    for expected in ["2 cells in both", "Most gained", "0.250*"] {
         assert!(run.stdout.contains(expected), "{expected}: {}", run.stdout);
     }
     record["machine"]["cores"] = Value::from(999);
