@@ -8,13 +8,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 
 /// Also in `crates/rayflock-bench/src/peer/embree/library.rs`, which looks there.
 const VERSION: &str = "4.4.0.post1";
 /// Of the wheel for Linux on x86_64; the files of the library in all wheels are the same.
 const SHA256: &str = "2cd0f7d5c6342e6247e31f700761689cae7829454d8c6de0c41e62124a023e1f";
-const WHEEL: [&str; 8] = [
+const WHEEL: [&str; 10] = [
     "--platform=manylinux_2_28_x86_64",
     "--python-version=311",
     "--implementation=cp",
@@ -23,15 +23,18 @@ const WHEEL: [&str; 8] = [
     "--no-deps",
     "--require-hashes",
     "--disable-pip-version-check",
+    "--retries=1",
+    "--timeout=15",
 ];
-const OTHERWISE: &str = "without it, say where libembree4 of another Embree 4 is: EMBREE_LIB, or \
-                         --embree-lib of the program";
+const OTHERWISE: &str = "EMBREE_LIB, or --embree-lib of the program, can say where the libembree4 \
+                         of another Embree 4 is";
 
 /// Fetches the library unless it is there, and says where it is.
 pub(crate) fn run(root: &Path) -> Result<()> {
     let folder = target(root).join("embree").join(VERSION);
     if library_in(&folder).is_err() {
-        fetch(&folder).context(OTHERWISE)?;
+        fetch(&folder)
+            .map_err(|error| anyhow!("Embree cannot be fetched: {error:#}; {OTHERWISE}"))?;
     }
     println!("Embree is at {}", library_in(&folder)?.display());
     Ok(())
