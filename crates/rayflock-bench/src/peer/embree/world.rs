@@ -92,7 +92,10 @@ impl World {
             self.update(key, wanted, &changes, &mut touched);
         }
         self.build_scenes(&touched);
+
+        let start = Instant::now();
         self.previous = Some(geometry.clone());
+        self.converted_since(start);
         self.stats(geometry.prim_count(), rewritten_count)
     }
 
@@ -201,7 +204,6 @@ impl World {
         let start = Instant::now();
         let (mut group, columns) = Group::new(wanted.part, wanted.mask, &wanted.objects);
         let Columns { vertices, triangles, spheres } = columns;
-        self.converted_since(start);
         let quality = self.geometry_quality(wanted.part);
         let scene = part_of(&mut self.root, self.build.layout, wanted.part);
         if !triangles.is_empty() {
@@ -214,6 +216,9 @@ impl World {
             group.spheres = Some(id);
             scene.attach_spheres(id, spheres);
         }
+        self.converted_since(start);
+
+        let scene = part_of(&mut self.root, self.build.layout, wanted.part);
         for id in group.geometries() {
             scene.set_mask(id, wanted.mask);
             scene.set_quality(id, quality);
