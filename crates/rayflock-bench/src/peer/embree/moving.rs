@@ -2,7 +2,8 @@
 //!
 //! An object is static until it changes for the first time; an object that comes later moves.
 //! When nothing is left of the frame before, a new scene begins and all is static again; twice in
-//! a row is no new scene, but one that changes wholly each frame.
+//! a row is no new scene, but one that changes wholly each frame. A frame that comes after an
+//! empty one begins a scene whatever came before.
 
 use std::collections::BTreeSet;
 
@@ -20,8 +21,11 @@ impl Moving {
     /// Takes note of a frame; `changes` since the frame before, `None` for the first.
     pub(super) fn note(&mut self, changes: Option<&FrameChanges>) {
         let left = |changes: &FrameChanges| changes.iter().any(|(_, change)| is_left(change));
+        let was_empty = |changes: &FrameChanges| {
+            changes.iter().all(|(_, change)| change == ObjectChange::Added)
+        };
         self.is_new_scene = match changes {
-            Some(changes) => !self.is_new_scene && !left(changes),
+            Some(changes) => was_empty(changes) || (!self.is_new_scene && !left(changes)),
             None => true,
         };
         let Some(changes) = changes.filter(|_| !self.is_new_scene) else {
@@ -82,6 +86,15 @@ mod tests {
         let other: &[_] = &[(0, Retopologised), (1, Retopologised)];
         assert!(moving(&[first, other]).is_empty());
         assert_eq!(moving(&[first, other, first]), [1]);
+    }
+
+    #[test]
+    fn what_comes_after_an_empty_frame_is_static_until_it_changes() {
+        let filled: &[_] = &[(0, Added), (1, Added)];
+        assert!(moving(&[filled]).is_empty());
+        assert_eq!(moving(&[filled, &[(0, Unchanged), (1, Deformed)]]), [1]);
+        let emptied: &[_] = &[(0, Removed), (1, Removed)];
+        assert!(moving(&[&[(0, Deformed), (1, Deformed)], emptied, filled]).is_empty());
     }
 
     #[test]
