@@ -47,7 +47,7 @@ pub(crate) struct BenchMapArguments {
     #[arg(long, value_name = "KINDS", value_delimiter = ',')]
     pub(crate) kind: Vec<RayKind>,
 
-    /// Measure fewer counts, and each cell for a shorter time.
+    /// Measure fewer counts of the built-in definition, and each cell for a shorter time.
     #[arg(long)]
     pub(crate) quick: bool,
 

@@ -11,7 +11,7 @@ use crate::args::BenchMapArguments;
 use crate::failure::{Blame, Failure};
 use crate::terminal;
 
-/// What `--quick` measures.
+/// What `--quick` measures of the built-in definition.
 const QUICK_TRIANGLES: [usize; 3] = [1 << 10, 1 << 14, 1 << 18];
 const QUICK_RAYS: [usize; 2] = [1 << 12, 1 << 18];
 
@@ -40,7 +40,7 @@ fn define(args: &BenchMapArguments) -> Result<Definition> {
         Some(path) => Definition::read(path)?,
         None => Definition::default_map(),
     };
-    if args.quick {
+    if args.quick && args.definition.is_none() {
         definition.triangles = QUICK_TRIANGLES.to_vec();
         definition.rays = QUICK_RAYS.to_vec();
     }
