@@ -38,7 +38,8 @@ fn node_graphs_must_be_trees() {
         (json!([{ "children": [1] }, { "children": [2] }, { "children": [1] }]), "node 1"),
         (json!([{ "children": [2] }, { "children": [2] }, {}]), "at most one parent"),
         (json!([{ "children": [9] }]), "out of range"),
-        (json!([{ "translation": [1e39, 0, 0] }]), "not finite"),
+        // Where serde_json reads numbers to the last bit, it refuses this one before we do.
+        (json!([{ "translation": [1e39, 0, 0] }]), "number out of range"),
     ];
     for (nodes, expected) in cases {
         document.json["nodes"] = nodes;
