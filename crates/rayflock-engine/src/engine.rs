@@ -56,17 +56,20 @@ pub enum EngineKind {
     Brute,
     /// A hierarchy over the rays, none over the geometry.
     Hierarchy,
+    /// A tree over the geometry, built anew each frame, and streams of rays.
+    Bvh,
 }
 
 impl EngineKind {
     /// Every engine of this crate.
-    pub const ALL: [Self; 2] = [Self::Brute, Self::Hierarchy];
+    pub const ALL: [Self; 3] = [Self::Brute, Self::Hierarchy, Self::Bvh];
 
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Brute => "brute",
             Self::Hierarchy => "hierarchy",
+            Self::Bvh => "bvh",
         }
     }
 }

@@ -5,6 +5,7 @@
 //! |---|---|---|
 //! | [`brute`] | all rays against all primitives | you want the definition of the answer, or have a few hundred primitives |
 //! | [`hierarchy`] | a tree over the rays, nothing over the geometry | everything moves and neighbouring rays go similar ways |
+//! | [`bvh`] | a tree over the geometry, built anew each frame, and streams of rays | rays share nothing: diffuse light, mirrors that are curved |
 //!
 //! Read them in this order: [`RayEngine`] (the question), [`brute`] (the definition of the
 //! answer), [`hierarchy`] (the idea) and its stages in the order of their list.
@@ -33,6 +34,7 @@
 
 mod answer;
 pub mod brute;
+pub mod bvh;
 mod engine;
 pub mod hierarchy;
 mod packet;
@@ -45,5 +47,6 @@ pub fn create(kind: EngineKind) -> Box<dyn RayEngine> {
     match kind {
         EngineKind::Brute => Box::new(brute::BruteEngine::default()),
         EngineKind::Hierarchy => Box::new(hierarchy::HierarchyEngine::default()),
+        EngineKind::Bvh => Box::new(bvh::BvhEngine::default()),
     }
 }

@@ -18,4 +18,5 @@ mod span;
 mod table;
 mod write;
 
-pub(crate) use table::{PrimitiveTable, SPHERE_BYTES, SlotKind, TRIANGLE_BYTES};
+pub(crate) use span::ObjectSpan;
+pub(crate) use table::{PrimitiveTable, SPHERE_BYTES, SlotKind, TRIANGLE_BYTES, is_same};

@@ -12,8 +12,11 @@
 
 mod axes;
 pub mod cone_sphere;
+pub mod ray_boxes;
 pub mod ray_sphere;
 pub mod ray_triangle;
+pub mod space_curve;
+pub mod triangle_boxes;
 
 use std::fmt;
 

@@ -16,6 +16,13 @@ pub(crate) struct ObjectSpan {
     pub(crate) count: KindCounts,
 }
 
+impl ObjectSpan {
+    /// Number of primitives.
+    pub(crate) const fn prim_count(&self) -> usize {
+        self.count.triangles + self.count.spheres + self.count.users
+    }
+}
+
 /// One number for each kind of primitive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct KindCounts {

@@ -152,6 +152,23 @@ impl PrimitiveTable {
         &self.bounds[block_idx]
     }
 
+    /// The bounding sphere of a slot.
+    #[inline(always)]
+    pub(crate) fn bound(&self, slot: u32) -> Sphere {
+        let (block, lane) = (&self.bounds[slot as usize / LANES], slot as usize % LANES);
+        Sphere::new(block.center_of(lane), block.radius[lane])
+    }
+
+    /// Where the primitives of each object lie; one entry for each object of the geometry.
+    pub(crate) fn spans(&self) -> &[ObjectSpan] {
+        &self.layout.spans
+    }
+
+    /// The committed geometry.
+    pub(crate) fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
     /// Spheres around whole blocks: entry `idx` bounds the sixteen blocks from `16 * idx` on.
     pub(crate) fn block_bounds(&self) -> &[SphereBlock] {
         &self.block_bounds
@@ -245,7 +262,8 @@ impl PrimitiveTable {
     }
 }
 
-fn is_same(before: &GeometryObject, now: &GeometryObject) -> bool {
+/// Whether an object is the same as in the frame before.
+pub(crate) fn is_same(before: &GeometryObject, now: &GeometryObject) -> bool {
     Arc::ptr_eq(&before.shape, &now.shape)
         && before.mask == now.mask
         && before.world_from_object == now.world_from_object

@@ -3,7 +3,9 @@
 use std::sync::OnceLock;
 
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
-use rayflock_engine::{CommitStats, EngineKind, RayEngine, TraceStats, brute, create, hierarchy};
+use rayflock_engine::{
+    CommitStats, EngineKind, RayEngine, TraceStats, brute, bvh, create, hierarchy,
+};
 use rayflock_geom::simd::SimdLevel;
 use rayflock_geom::{FrameChanges, Geometry, Hit, HitBuffer, RayBatch};
 use rayon::ThreadPool;
@@ -23,6 +25,7 @@ impl Subject {
             EngineKind::Hierarchy => {
                 Box::new(hierarchy::HierarchyEngine::new(hierarchy::Config { simd }))
             }
+            EngineKind::Bvh => Box::new(bvh::BvhEngine::new(bvh::Config { simd })),
             kind => panic!("tell the suite how to make the engine {kind} at a SIMD level"),
         };
         assert_eq!(engine.name(), kind.name());
