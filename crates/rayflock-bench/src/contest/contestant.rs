@@ -96,9 +96,14 @@ impl Contestant {
         self.held.commit(self.engine.as_mut(), geometry)
     }
 
-    /// Makes `geometry` the current one, without a past.
-    pub(super) fn begin_with(&mut self, geometry: &Geometry) -> Result<(), EngineError> {
-        self.held.begin_with(self.engine.as_mut(), geometry)
+    /// Makes `before` the current one, with nothing kept of earlier frames; what differs in
+    /// `later` is known to move.
+    pub(super) fn begin_with(
+        &mut self,
+        before: &Geometry,
+        later: &Geometry,
+    ) -> Result<(), EngineError> {
+        self.held.begin_with(self.engine.as_mut(), before, later)
     }
 
     /// Traces all rays of a frame that is committed.
