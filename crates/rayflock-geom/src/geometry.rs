@@ -46,10 +46,10 @@ impl GeometryObject {
     }
 }
 
-/// All objects of one frame, sorted by id. Cloning shares the meshes.
+/// All objects of one frame, sorted by id. Cloning shares them, and allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
-    objects: Vec<GeometryObject>,
+    objects: Arc<Vec<GeometryObject>>,
 }
 
 /// Why objects do not make a geometry.
@@ -116,7 +116,7 @@ impl Geometry {
                 return Err(GeometryError::SphereTransform(object.id.0));
             }
         }
-        let geometry = Self { objects };
+        let geometry = Self { objects: Arc::new(objects) };
         match geometry.prim_count() {
             count if count >= NO_ID as usize => Err(GeometryError::TooManyPrimitives(count)),
             _ => Ok(geometry),
@@ -138,7 +138,8 @@ impl Geometry {
 
     /// The objects that `keep` accepts, with their ids.
     pub fn subset(&self, keep: impl Fn(&GeometryObject) -> bool) -> Self {
-        Self { objects: self.objects.iter().filter(|object| keep(object)).cloned().collect() }
+        let kept = self.objects.iter().filter(|object| keep(object)).cloned();
+        Self { objects: Arc::new(kept.collect()) }
     }
 
     /// Number of primitives in all objects.
