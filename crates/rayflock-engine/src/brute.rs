@@ -40,7 +40,7 @@ pub struct BruteEngine {
 impl BruteEngine {
     /// An engine with an empty frame.
     pub fn new(config: Config) -> Self {
-        Self { config, ..Self::default() }
+        Self { config, table: PrimitiveTable::new(config.simd), ..Self::default() }
     }
 
     /// Fills `nearest` for the whole batch; `t_bound` tells beyond which hits are of no interest.

@@ -77,7 +77,7 @@ pub struct HierarchyEngine {
 impl HierarchyEngine {
     /// An engine with an empty frame.
     pub fn new(config: Config) -> Self {
-        Self { config, ..Self::default() }
+        Self { config, table: PrimitiveTable::new(config.simd), ..Self::default() }
     }
 
     /// Fills `nearest` for the whole batch; `t_bound` tells beyond which hits are of no interest.
@@ -87,6 +87,7 @@ impl HierarchyEngine {
         question: Question,
         t_bound: &(impl Fn(usize) -> f32 + Sync),
     ) -> TraceStats {
+        self.table.write_bounds();
         self.arrangement.assign(rays);
         let mut stats = self.tree.build(rays, &self.arrangement, t_bound);
         self.nearest.clear();

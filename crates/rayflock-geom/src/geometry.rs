@@ -47,9 +47,20 @@ impl GeometryObject {
 }
 
 /// All objects of one frame, sorted by id. Cloning shares the meshes.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Geometry {
     objects: Vec<GeometryObject>,
+}
+
+impl Clone for Geometry {
+    fn clone(&self) -> Self {
+        Self { objects: self.objects.clone() }
+    }
+
+    /// Keeps the memory of the list, for engines that take over frame after frame.
+    fn clone_from(&mut self, source: &Self) {
+        self.objects.clone_from(&source.objects);
+    }
 }
 
 /// Why objects do not make a geometry.

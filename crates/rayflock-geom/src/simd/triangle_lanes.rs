@@ -171,7 +171,10 @@ mod tests {
     }
 
     /// A block of triangles at every level, with what `f` makes of it.
-    fn at_every_level<T>(triangles: &[[Vec3; 3]], f: impl Fn(SimdLevel, &TriangleBlock) -> T) -> Vec<T> {
+    fn at_every_level<T>(
+        triangles: &[[Vec3; 3]],
+        f: impl Fn(SimdLevel, &TriangleBlock) -> T,
+    ) -> Vec<T> {
         let mut block = TriangleBlock::EMPTY;
         for (lane, corners) in triangles.iter().enumerate() {
             block.set(lane, *corners);

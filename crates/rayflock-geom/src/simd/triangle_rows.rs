@@ -34,10 +34,7 @@ pub type TriangleRow = [f32; COORDINATES];
 
 /// The triangles of two blocks, in the order of their rows.
 #[inline(always)]
-pub fn columns_of_rows<S: Simd>(
-    simd: S,
-    rows: &[TriangleRow; ROW_COUNT],
-) -> [TriangleLanes<S>; 2] {
+pub fn columns_of_rows<S: Simd>(simd: S, rows: &[TriangleRow; ROW_COUNT]) -> [TriangleLanes<S>; 2] {
     let coordinates = rows.as_flattened();
     let mut vectors = [f32x16::splat(simd, 0.0); VECTORS];
     for (idx, vector) in vectors.iter_mut().enumerate() {
