@@ -31,6 +31,7 @@ mod write_others;
 mod write_ranks;
 mod write_triangles;
 
+pub(crate) use rank_table::RankedObject;
 pub(crate) use table::{PrimitiveTable, SPHERE_BYTES, SlotKind, TRIANGLE_BYTES};
 
 #[cfg(test)]

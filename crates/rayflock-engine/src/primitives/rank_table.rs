@@ -1,10 +1,10 @@
-//! Leads from ranks back to ids.
+//! Leads from ranks back to objects, and so to ids.
 //!
 //! The object of a rank lies between those of the first rank of its bucket and of the next
 //! bucket's: a table of buckets of sixteen ranks leaves a step or two of a binary search, however
 //! many objects there are.
 //!
-//! **Cost.** A quarter byte a primitive, 8 bytes an object; written when the layout changes.
+//! **Cost.** A quarter byte a primitive, 12 bytes an object; written when the layout changes.
 
 use rayflock_geom::{ObjectId, PrimId};
 
@@ -22,10 +22,23 @@ pub(super) struct RankTable {
     buckets: Vec<u32>,
 }
 
+/// An object and the ranks of its primitives.
 #[derive(Clone, Copy, Debug)]
-struct RankedObject {
-    first_rank: u32,
-    object_id: ObjectId,
+pub(crate) struct RankedObject {
+    pub(crate) first_rank: u32,
+    pub(crate) prim_count: u32,
+    pub(crate) object_id: ObjectId,
+}
+
+impl RankedObject {
+    /// No object: it has no rank.
+    pub(crate) const NONE: Self = Self { first_rank: 0, prim_count: 0, object_id: ObjectId::NONE };
+
+    /// The ids of one of the object's ranks.
+    #[inline(always)]
+    pub(crate) fn ids(&self, rank: u32) -> (ObjectId, PrimId) {
+        (self.object_id, PrimId(rank - self.first_rank))
+    }
 }
 
 impl RankTable {
@@ -38,25 +51,27 @@ impl RankTable {
             end = span.first_rank + span.prim_count();
             // Buckets whose first rank is the object's.
             self.buckets.resize(end.div_ceil(1 << BUCKET_BITS), self.objects.len() as u32);
-            let first_rank = span.first_rank as u32;
-            self.objects.push(RankedObject { first_rank, object_id: span.object_id });
+            self.objects.push(RankedObject {
+                first_rank: span.first_rank as u32,
+                prim_count: span.prim_count() as u32,
+                object_id: span.object_id,
+            });
         }
         if end > 0 {
             self.buckets.push(self.objects.len() as u32 - 1);
         }
     }
 
-    /// The ids of a rank that a primitive has.
+    /// The object of a rank that a primitive has.
     #[inline(always)]
-    pub(super) fn ids(&self, rank: u32) -> (ObjectId, PrimId) {
+    pub(super) fn object(&self, rank: u32) -> RankedObject {
         let bucket = (rank >> BUCKET_BITS) as usize;
         let (first, last) = (self.buckets[bucket] as usize, self.buckets[bucket + 1] as usize);
-        let mut object = &self.objects[first];
-        if first < last {
-            let among = &self.objects[first..=last];
-            object = &among[among.partition_point(|object| object.first_rank <= rank) - 1];
+        if first == last {
+            return self.objects[first];
         }
-        (object.object_id, PrimId(rank - object.first_rank))
+        let among = &self.objects[first..=last];
+        among[among.partition_point(|object| object.first_rank <= rank) - 1]
     }
 
     /// Bytes held.

@@ -6,14 +6,13 @@ use glam::Vec3;
 use rayflock_geom::simd::cone_sphere::{SLACK, SphereBlock};
 use rayflock_geom::simd::ray_triangle::TriangleBlock;
 use rayflock_geom::simd::{LANES, Lanes, SimdLevel};
-use rayflock_geom::{FrameChanges, Geometry, Hit, RayTransform, Sphere, UserPrimitives};
+use rayflock_geom::{FrameChanges, Geometry, RayTransform, Sphere, UserPrimitives};
 
 use super::ignored::IgnoredCounter;
 use super::plan::Work;
-use super::rank_table::RankTable;
+use super::rank_table::{RankTable, RankedObject};
 use super::span::{Layout, ObjectSpan};
 use crate::CommitStats;
-use crate::packet::Nearest;
 
 /// What a test reads of a triangle: three corners, rank and mask.
 pub(crate) const TRIANGLE_BYTES: u64 = 44;
@@ -210,14 +209,15 @@ impl PrimitiveTable {
         self.slack
     }
 
-    /// The public form of a nearest hit.
-    pub(crate) fn hit(&self, nearest: &Nearest) -> Hit {
-        if nearest.rank == u32::MAX {
-            return Hit::MISS;
-        }
-        let (object_id, prim_id) = self.rank_table.ids(nearest.rank);
-        let Nearest { t, u, v, .. } = *nearest;
-        Hit { t, u, v, object_id, prim_id }
+    /// The object of a primitive, by its rank.
+    #[inline(always)]
+    pub(crate) fn object_of_rank(&self, rank: u32) -> RankedObject {
+        self.rank_table.object(rank)
+    }
+
+    /// The SIMD level at which the table is written.
+    pub(crate) fn simd(&self) -> SimdLevel {
+        self.simd
     }
 
     /// Bytes held, without the shared meshes.

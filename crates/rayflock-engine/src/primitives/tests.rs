@@ -163,7 +163,7 @@ fn check_ids(table: &PrimitiveTable, frame: &Geometry) {
     let mut rank = 0;
     for object in frame.objects() {
         for prim_idx in 0..object.shape.prim_count() as u32 {
-            assert_eq!(table.rank_table.ids(rank), (object.id, PrimId(prim_idx)));
+            assert_eq!(table.object_of_rank(rank).ids(rank), (object.id, PrimId(prim_idx)));
             rank += 1;
         }
     }

@@ -76,7 +76,7 @@ impl PrimitiveTable {
             .filter(|&(span, &work)| work != Work::Nothing && span.count.triangles > 0)
             .map(|(span, _)| span.triangle_slots());
         let Some(first) = changed.next() else { return 0..0 };
-        let end = changed.last().map_or(first.end, |last| last.end);
+        let end = changed.next_back().map_or(first.end, |last| last.end);
         first.start / LANES..end.div_ceil(LANES)
     }
 }
