@@ -14,6 +14,9 @@ mod axes;
 pub mod cone_sphere;
 pub mod ray_sphere;
 pub mod ray_triangle;
+pub mod sphere_blocks;
+pub mod triangle_lanes;
+pub mod triangle_rows;
 
 use std::fmt;
 

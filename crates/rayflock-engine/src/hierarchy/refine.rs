@@ -107,6 +107,7 @@ impl<F: Fn(usize) -> f32 + Sync> Pass<'_, F> {
     }
 
     fn run_task(&self, level: usize, node_idx: usize, nearest: &mut [Nearest]) -> TraceStats {
+        nearest.fill(Nearest::NONE);
         let mut scratch = self.take_scratch();
         if scratch.lists.len() <= level {
             scratch.lists.resize_with(level + 1, Candidates::default);

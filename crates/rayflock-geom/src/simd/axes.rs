@@ -18,6 +18,14 @@ pub(super) fn load_axes<S: Simd>(simd: S, columns: &[Lanes; 3]) -> Axes<S> {
     [load(simd, &columns[0]), load(simd, &columns[1]), load(simd, &columns[2])]
 }
 
+/// Writes three vectors as columns.
+#[inline(always)]
+pub(super) fn store_axes<S: Simd>(axes: &Axes<S>, columns: &mut [Lanes; 3]) {
+    for (axis, column) in axes.iter().zip(columns) {
+        axis.store_slice(column);
+    }
+}
+
 /// One point in every lane.
 #[inline(always)]
 pub(super) fn splat_axes<S: Simd>(simd: S, point: Vec3) -> Axes<S> {
