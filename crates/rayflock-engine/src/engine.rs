@@ -66,11 +66,13 @@ pub enum EngineKind {
     Brute,
     /// A hierarchy over the rays, none over the geometry.
     Hierarchy,
+    /// A tree over the geometry, built anew each frame, and streams of rays.
+    Bvh,
 }
 
 impl EngineKind {
     /// Every engine of this crate.
-    pub const ALL: [Self; 3] = [Self::Auto, Self::Brute, Self::Hierarchy];
+    pub const ALL: [Self; 4] = [Self::Auto, Self::Brute, Self::Hierarchy, Self::Bvh];
 
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
@@ -78,6 +80,7 @@ impl EngineKind {
             Self::Auto => "auto",
             Self::Brute => "brute",
             Self::Hierarchy => "hierarchy",
+            Self::Bvh => "bvh",
         }
     }
 }

@@ -5,6 +5,7 @@
 //! |---|---|---|
 //! | [`brute`] | all rays against all primitives | you want the definition of the answer, or have a few hundred primitives |
 //! | [`hierarchy`] | a tree over the rays, nothing over the geometry | everything moves and neighbouring rays go similar ways |
+//! | [`bvh`] | a tree over the geometry, built anew each frame, and streams of rays | rays share nothing: diffuse light, mirrors that are curved |
 //! | [`auto`] | asks whichever of the others is expected to answer soonest | you have no reason to choose |
 //!
 //! Read them in this order: [`RayEngine`] (the question), [`brute`] (the definition of the
@@ -35,6 +36,7 @@
 mod answer;
 pub mod auto;
 pub mod brute;
+pub mod bvh;
 mod engine;
 pub mod hierarchy;
 mod packet;
@@ -48,5 +50,6 @@ pub fn create(kind: EngineKind) -> Box<dyn RayEngine> {
         EngineKind::Auto => Box::new(auto::AutoEngine::default()),
         EngineKind::Brute => Box::new(brute::BruteEngine::default()),
         EngineKind::Hierarchy => Box::new(hierarchy::HierarchyEngine::default()),
+        EngineKind::Bvh => Box::new(bvh::BvhEngine::default()),
     }
 }

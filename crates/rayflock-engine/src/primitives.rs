@@ -32,6 +32,7 @@ mod write_ranks;
 mod write_triangles;
 
 pub(crate) use rank_table::RankedObject;
+pub(crate) use span::ObjectSpan;
 pub(crate) use table::{PrimitiveTable, SPHERE_BYTES, SlotKind, TRIANGLE_BYTES};
 
 #[cfg(test)]

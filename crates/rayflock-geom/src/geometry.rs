@@ -39,6 +39,14 @@ impl GeometryObject {
         self
     }
 
+    /// Whether nothing differs from `other`: the shared mesh, the place, the mask. Meshes are
+    /// compared by identity.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.shape, &other.shape)
+            && self.mask == other.mask
+            && self.world_from_object == other.world_from_object
+    }
+
     /// The box around the object, in world space.
     pub fn bounds(&self) -> Aabb {
         let bounds = self.shape.bounds();

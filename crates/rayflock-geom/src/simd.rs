@@ -12,9 +12,12 @@
 
 mod axes;
 pub mod cone_sphere;
+pub mod ray_boxes;
 pub mod ray_sphere;
 pub mod ray_triangle;
+pub mod space_curve;
 pub mod sphere_blocks;
+pub mod triangle_boxes;
 pub mod triangle_lanes;
 pub mod triangle_rows;
 

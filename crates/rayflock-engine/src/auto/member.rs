@@ -5,11 +5,13 @@ use rayflock_geom::{FrameChanges, Geometry};
 use web_time::Instant;
 
 use crate::brute::{self, BruteEngine};
+use crate::bvh::{self, BvhEngine};
 use crate::hierarchy::{self, HierarchyEngine};
 use crate::{CommitStats, EngineError, EngineKind, RayEngine};
 
 /// The engines that are chosen from; the first where nothing tells them apart.
-pub(super) const MEMBERS: [EngineKind; 2] = [EngineKind::Hierarchy, EngineKind::Brute];
+pub(super) const MEMBERS: [EngineKind; 3] =
+    [EngineKind::Hierarchy, EngineKind::Bvh, EngineKind::Brute];
 
 /// An engine that keeps the last frame it was given, which may be older than the current one.
 #[derive(Debug)]
@@ -31,6 +33,7 @@ impl Member {
         let engine: Box<dyn RayEngine> = match kind {
             EngineKind::Brute => Box::new(BruteEngine::new(brute::Config { simd })),
             EngineKind::Hierarchy => Box::new(HierarchyEngine::new(hierarchy::Config { simd })),
+            EngineKind::Bvh => Box::new(BvhEngine::new(bvh::Config { simd })),
             EngineKind::Auto => unreachable!("the choosing engine does not choose itself"),
         };
         let held = Geometry::default();

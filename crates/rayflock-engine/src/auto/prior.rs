@@ -48,6 +48,9 @@ fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
     use RayClass::{Ordered, SharedDirection, SharedOrigin, Unordered};
     match (kind, class) {
         (EngineKind::Brute, _) => Coefficients { fixed: 5_000.0, test: 0.25, ..NOTHING },
+        (EngineKind::Bvh, _) => {
+            Coefficients { fixed: 30_000.0, fresh_prim: 8.0, ray: 20.0, ray_level: 6.0, ..NOTHING }
+        }
         (EngineKind::Hierarchy, SharedOrigin | SharedDirection) => {
             Coefficients { fixed: 50_000.0, prim: 1.0, ray: 10.0, ray_level: 1.0, ..NOTHING }
         }

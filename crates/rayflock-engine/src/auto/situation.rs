@@ -1,7 +1,6 @@
 //! What is known of a batch and its frame before anything is traced.
 
 use std::fmt;
-use std::sync::Arc;
 
 use rayflock_geom::{Geometry, GeometryObject, RayBatch, RayOrder};
 
@@ -58,7 +57,7 @@ impl Frame {
     /// The sizes of a frame that comes after another one.
     pub(super) fn of(geometry: &Geometry, before: &Geometry) -> Self {
         let is_news = |object: &&GeometryObject| {
-            !before.object(object.id).is_some_and(|b| is_same(b, object))
+            !before.object(object.id).is_some_and(|before| object.is_same(before))
         };
         let changed = geometry.objects().iter().filter(is_news);
         Self {
@@ -66,12 +65,6 @@ impl Frame {
             changed_count: changed.map(|object| object.shape.prim_count()).sum(),
         }
     }
-}
-
-fn is_same(before: &GeometryObject, now: &GeometryObject) -> bool {
-    Arc::ptr_eq(&before.shape, &now.shape)
-        && before.mask == now.mask
-        && before.world_from_object == now.world_from_object
 }
 
 /// A batch in its frame, by what its cost depends on.

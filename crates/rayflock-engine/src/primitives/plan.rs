@@ -1,8 +1,6 @@
 //! Plans what a commit has to write for each object.
 
-use std::sync::Arc;
-
-use rayflock_geom::{FrameChanges, Geometry, GeometryObject, ObjectChange};
+use rayflock_geom::{FrameChanges, Geometry, ObjectChange};
 
 use super::ignored::{Ignored, IgnoredCounter};
 use super::table::PrimitiveTable;
@@ -45,7 +43,7 @@ impl PrimitiveTable {
             pairs.zip(self.plan.iter_mut().zip(&mut self.ignored))
         {
             let claimed = changes.get(object.id) == ObjectChange::Unchanged;
-            *work = if claimed && is_same(before, object) {
+            *work = if claimed && object.is_same(before) {
                 Work::Nothing
             } else if before.mask == object.mask && ignored.get() == Ignored::default() {
                 Work::Corners
@@ -57,10 +55,4 @@ impl PrimitiveTable {
             }
         }
     }
-}
-
-fn is_same(before: &GeometryObject, now: &GeometryObject) -> bool {
-    Arc::ptr_eq(&before.shape, &now.shape)
-        && before.mask == now.mask
-        && before.world_from_object == now.world_from_object
 }

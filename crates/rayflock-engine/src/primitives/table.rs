@@ -136,6 +136,22 @@ impl PrimitiveTable {
         &self.bounds[block_idx]
     }
 
+    /// The bounding sphere of a slot.
+    #[inline(always)]
+    pub(crate) fn bound(&self, slot: u32) -> Sphere {
+        self.bounds(slot as usize / LANES).get(slot as usize % LANES)
+    }
+
+    /// Where the primitives of each object lie; one entry for each object of the geometry.
+    pub(crate) fn spans(&self) -> &[ObjectSpan] {
+        &self.layout.spans
+    }
+
+    /// The committed geometry.
+    pub(crate) fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
     /// Spheres around whole blocks: entry `idx` bounds the sixteen blocks from `16 * idx` on.
     /// They have to be written first: [`Self::write_bounds`].
     pub(crate) fn block_bounds(&self) -> &[SphereBlock] {

@@ -1,0 +1,161 @@
+//! Builds a tree over some primitives: leaves in the order of a curve, nodes from the bottom up.
+
+use glam::Vec3;
+use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxLanes, BoxSpace};
+use rayflock_geom::simd::triangle_boxes::{sphere_boxes, triangle_boxes};
+use rayflock_geom::simd::{LANES, Simd, SimdLevel, dispatch};
+use rayon::prelude::*;
+
+use super::sort_slots::{SlotSorter, WantedLanes};
+use super::tree::{OtherLeaf, Tree, TriangleLeaf};
+use crate::primitives::PrimitiveTable;
+
+/// Nodes of sixteen leaves that one task writes at least.
+const NODES_PER_TASK: usize = 8;
+
+/// Builds trees, keeping its memory.
+#[derive(Debug, Default)]
+pub(super) struct TreeBuilder {
+    triangles: SlotSorter,
+    others: SlotSorter,
+}
+
+impl TreeBuilder {
+    /// Builds `tree` over the wanted primitives, triangles and others. Boxes are relative to
+    /// `middle`, or to the middle of the primitives; returns the space that they take up.
+    pub(super) fn build(
+        &mut self,
+        level: SimdLevel,
+        table: &PrimitiveTable,
+        wanted: &Wanted,
+        middle: Option<Vec3>,
+        tree: &mut Tree,
+    ) -> BoxSpace {
+        let triangles_middle = self.triangles.sort(level, table, &wanted.triangles);
+        let others_middle = self.others.sort(level, table, &wanted.others);
+        let own_middle = if self.triangles.len() > 0 { triangles_middle } else { others_middle };
+        let middle = middle.unwrap_or(own_middle);
+
+        let leaves = [&self.triangles, &self.others].map(|sorter| sorter.len().div_ceil(LANES));
+        tree.resize(leaves[0], leaves[1]);
+        if tree.is_empty() {
+            return BoxSpace { middle, half_size: Vec3::ZERO };
+        }
+        let writer = LeafWriter { level, table, middle };
+        let (triangle_nodes, other_nodes) = tree.nodes.split_at_mut(leaves[0].div_ceil(LANES));
+        writer.write_triangles(&self.triangles, &mut tree.triangle_leaves, triangle_nodes);
+        writer.write_others(&self.others, &mut tree.other_leaves, other_nodes);
+        for upper in 1..tree.level_count() {
+            bound_level(level, tree, upper);
+        }
+        BoxSpace { middle, half_size: half_size(level, tree) }
+    }
+
+    /// Bytes held.
+    pub(super) fn memory_usage(&self) -> usize {
+        self.triangles.memory_usage() + self.others.memory_usage()
+    }
+}
+
+/// The primitives that a tree is wanted over.
+#[derive(Debug, Default)]
+pub(super) struct Wanted {
+    pub(super) triangles: Vec<WantedLanes>,
+    pub(super) others: Vec<WantedLanes>,
+}
+
+struct LeafWriter<'a> {
+    level: SimdLevel,
+    table: &'a PrimitiveTable,
+    middle: Vec3,
+}
+
+impl LeafWriter<'_> {
+    fn write_triangles(
+        &self,
+        sorter: &SlotSorter,
+        leaves: &mut [TriangleLeaf],
+        nodes: &mut [BoxBlock],
+    ) {
+        let tasks = leaves.par_chunks_mut(LANES).zip(nodes).enumerate();
+        tasks.with_min_len(NODES_PER_TASK).for_each(|(node_idx, (leaves, node))| {
+            dispatch!(self.level.level(), simd => {
+                for (lane, leaf) in leaves.iter_mut().enumerate() {
+                    let first = (node_idx * LANES + lane) * LANES;
+                    self.gather(sorter, first, leaf);
+                    let (min, max) = triangle_boxes(simd, &leaf.triangles, self.middle).around();
+                    node.set(lane, min, max);
+                }
+            });
+            node.pad(leaves.len());
+        });
+    }
+
+    /// Copies sixteen triangles in order; where fewer are left, the first again but out of sight.
+    #[inline(always)]
+    fn gather(&self, sorter: &SlotSorter, first: usize, leaf: &mut TriangleLeaf) {
+        let count = (sorter.len() - first).min(LANES);
+        for lane in 0..LANES {
+            let slot = sorter.slot(first + if lane < count { lane } else { 0 });
+            leaf.triangles.set(lane, self.table.triangle(slot));
+            leaf.masks[lane] = if lane < count { self.table.mask(slot) } else { 0 };
+            leaf.ranks[lane] = self.table.rank(slot);
+        }
+    }
+
+    fn write_others(&self, sorter: &SlotSorter, leaves: &mut [OtherLeaf], nodes: &mut [BoxBlock]) {
+        let tasks = leaves.par_chunks_mut(LANES).zip(nodes).enumerate();
+        tasks.with_min_len(NODES_PER_TASK).for_each(|(node_idx, (leaves, node))| {
+            dispatch!(self.level.level(), simd => {
+                for (lane, leaf) in leaves.iter_mut().enumerate() {
+                    let first = (node_idx * LANES + lane) * LANES;
+                    let (min, max) = self.write_other_leaf(simd, sorter, first, leaf).around();
+                    node.set(lane, min, max);
+                }
+            });
+            node.pad(leaves.len());
+        });
+    }
+
+    #[inline(always)]
+    fn write_other_leaf<S: Simd>(
+        &self,
+        simd: S,
+        sorter: &SlotSorter,
+        first: usize,
+        leaf: &mut OtherLeaf,
+    ) -> BoxLanes<S> {
+        leaf.count = (sorter.len() - first).min(LANES);
+        let mut spheres = *self.table.bounds(sorter.slot(first) as usize / LANES);
+        for lane in 0..LANES {
+            let slot = sorter.slot(first + if lane < leaf.count { lane } else { 0 });
+            leaf.slots[lane] = slot;
+            spheres.set(lane, &self.table.bound(slot));
+        }
+        sphere_boxes(simd, &spheres, self.middle)
+    }
+}
+
+/// Writes the boxes of a level's nodes: around those of the level below.
+fn bound_level(level: SimdLevel, tree: &mut Tree, upper: usize) {
+    let (range, below) = (tree.level(upper), tree.level(upper - 1));
+    let (lower_nodes, nodes) = tree.nodes.split_at_mut(range.start);
+    let nodes = nodes[..range.len()].par_iter_mut();
+    let tasks = nodes.zip(lower_nodes[below].par_chunks(LANES));
+    tasks.with_min_len(NODES_PER_TASK).for_each(|(node, children)| {
+        dispatch!(level.level(), simd => {
+            for (lane, child) in children.iter().enumerate() {
+                let (min, max) = child.load(simd).around();
+                node.set(lane, min, max);
+            }
+        });
+        node.pad(children.len());
+    });
+}
+
+/// How far the root's boxes reach.
+fn half_size(level: SimdLevel, tree: &Tree) -> Vec3 {
+    let Some(root) = tree.nodes.last() else { return Vec3::ZERO };
+    let (min, max) = dispatch!(level.level(), simd => root.load(simd).around());
+    min.abs().max(max.abs())
+}

@@ -1,0 +1,220 @@
+use proptest::prelude::*;
+
+use super::super::cone_sphere::{SLACK, SphereBlock};
+use super::super::ray_sphere::{SphereRays, intersect_sphere};
+use super::super::ray_triangle::{ShearedRay, TriangleBlock, intersect_block};
+use super::super::triangle_boxes::{sphere_boxes, triangle_boxes};
+use super::super::{SimdLevel, SimdMask, dispatch};
+use super::*;
+use crate::Sphere;
+
+const LANE: usize = 6;
+
+/// Where the accepting test hits, if it does.
+fn hit_triangle(ray: &Ray, corners: [Vec3; 3]) -> Option<f32> {
+    let mut block = TriangleBlock::EMPTY;
+    block.set(LANE, corners);
+    dispatch!(SimdLevel::best().level(), simd => {
+        let active = mask32x16::splat(simd, true);
+        let hits = intersect_block(simd, &ShearedRay::new(ray), &block, active);
+        hits.accepted.test(LANE).then(|| hits.t[LANE])
+    })
+}
+
+fn hit_sphere(ray: &Ray, sphere: &Sphere) -> Option<f32> {
+    let mut rays = SphereRays::EMPTY;
+    rays.set(LANE, ray);
+    dispatch!(SimdLevel::best().level(), simd => {
+        let active = mask32x16::splat(simd, true);
+        let (accepted, t) = intersect_sphere(simd, &rays, sphere, active);
+        accepted.test(LANE).then(|| t[LANE])
+    })
+}
+
+/// What is in the boxes.
+#[derive(Clone, Copy, Debug)]
+enum Content {
+    Triangle([Vec3; 3]),
+    Sphere(Sphere),
+}
+
+/// Whether a box in a space about `middle` is crossed, at every level; the levels may differ.
+fn crossed(ray: &Ray, content: Content, middle: Vec3) -> Vec<bool> {
+    let (mut triangles, mut spheres) = (TriangleBlock::EMPTY, SphereBlock::EMPTY);
+    for lane in 0..16 {
+        match content {
+            Content::Triangle(corners) => triangles.set(lane, corners),
+            Content::Sphere(sphere) => spheres.set(lane, &sphere),
+        }
+    }
+    let at_level = |level: SimdLevel| {
+        dispatch!(level.level(), simd => {
+            let boxes = match content {
+                Content::Triangle(_) => triangle_boxes(simd, &triangles, middle),
+                Content::Sphere(_) => sphere_boxes(simd, &spheres, middle),
+            };
+            let (min, max) = boxes.around();
+            let space = BoxSpace { middle, half_size: min.abs().max(max.abs()) };
+            let mut block = BoxBlock::ZERO;
+            block.set(LANE, min, max);
+            let ray = BoxRay::new(ray, &space, SLACK);
+            crosses(simd, &ray, &block.load(simd)).test(LANE)
+        })
+    };
+    SimdLevel::available().into_iter().map(at_level).collect()
+}
+
+/// A ray that reaches just as far as `t`.
+fn reaching(ray: &Ray, t: f32) -> Ray {
+    Ray { t_min: t, t_max: t, ..*ray }
+}
+
+fn vector() -> impl Strategy<Value = Vec3> {
+    let coordinate = prop_oneof![4 => -2.0..2.0_f32, 1 => Just(0.0_f32), 1 => Just(1.0_f32)];
+    prop::array::uniform3(coordinate).prop_map(Vec3::from)
+}
+
+/// Coordinates of very different sizes, zeros of both signs included.
+fn uneven_vector() -> impl Strategy<Value = Vec3> {
+    let exponent = prop_oneof![2 => Just(0), 2 => -12..-6_i32, 1 => -40..0_i32];
+    let coordinate = prop_oneof![
+        6 => (-2.0..2.0_f32, exponent).prop_map(|(x, e)| x * 10.0_f32.powi(e)),
+        1 => Just(0.0_f32),
+        1 => Just(-0.0_f32),
+    ];
+    prop::array::uniform3(coordinate).prop_map(Vec3::from)
+}
+
+fn scale() -> impl Strategy<Value = f32> {
+    prop_oneof![4 => Just(0), 2 => -6..6_i32, 1 => -36..36_i32].prop_map(|e| 10.0_f32.powi(e))
+}
+
+/// Far from the world's origin, in units of the size of things.
+fn offset() -> impl Strategy<Value = f32> {
+    prop_oneof![2 => Just(0.0_f32), 1 => Just(30.0_f32), 1 => Just(1e4_f32), 1 => Just(1e6_f32)]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4000))]
+
+    /// Rays at an edge or the inside of a triangle, from near, far and within its plane.
+    #[test]
+    fn boxes_of_hit_triangles_are_crossed(
+        corners in prop::array::uniform3(vector()), flat in prop_oneof![Just(1.0_f32), Just(1e-4)],
+        origin in vector(), away in prop_oneof![3 => Just(1.0_f32), 1 => Just(1e3), 1 => Just(1e-3)],
+        weights in [0.0..1.0_f32, 0.0..1.0_f32], at_edge in any::<bool>(),
+        (scale, length, offset) in (scale(), scale(), offset()),
+        middle in vector(), straight in any::<bool>(), noise in uneven_vector(),
+    ) {
+        let place = |v: Vec3| scale * (v * Vec3::new(1.0, 1.0, flat) + Vec3::splat(offset));
+        let corners = corners.map(place);
+        let origin = place(away * origin);
+        let along = if at_edge { 0.0 } else { weights[1] };
+        let target = corners[0].lerp(corners[1], weights[0]).lerp(corners[2], along);
+        let aimed = (target - origin) / scale;
+        let direction = length * if straight { aimed } else { aimed + 1e-5 * noise };
+        let ray = Ray { t_min: f32::NEG_INFINITY, ..Ray::new(origin, direction) };
+        prop_assume!(ray.state() == crate::RayState::Active);
+        if let Some(t) = hit_triangle(&ray, corners) {
+            let (content, middle) = (Content::Triangle(corners), place(middle));
+            for ray in [ray, reaching(&ray, t), Ray { t_max: t, ..ray }, Ray { t_min: t, ..ray }] {
+                let crossed = crossed(&ray, content, middle);
+                prop_assert!(crossed.iter().all(|&crossed| crossed), "{ray:?} {corners:?}");
+            }
+        }
+    }
+
+    /// Axis-parallel and nearly axis-parallel rays that graze a box of no thickness.
+    #[test]
+    fn boxes_of_triangles_hit_along_an_axis_are_crossed(
+        corners in prop::array::uniform3(vector()), direction in uneven_vector(),
+        weights in [0.0..1.0_f32, 0.0..1.0_f32], back in -50.0..50.0_f32,
+        (scale, length, offset) in (scale(), scale(), offset()), middle in vector(),
+    ) {
+        let place = |v: Vec3| scale * (v + Vec3::splat(offset));
+        prop_assume!(direction != Vec3::ZERO);
+        let direction = direction / direction.abs().max_element();
+        let target = corners[0].lerp(corners[1], weights[0]).lerp(corners[2], weights[1]);
+        let origin = place(target - back * direction);
+        let ray = Ray { t_min: f32::NEG_INFINITY, ..Ray::new(origin, length * direction) };
+        prop_assume!(ray.state() == crate::RayState::Active);
+        let corners = corners.map(place);
+        if let Some(t) = hit_triangle(&ray, corners) {
+            let crossed = crossed(&reaching(&ray, t), Content::Triangle(corners), place(middle));
+            prop_assert!(crossed.iter().all(|&crossed| crossed), "{ray:?} {corners:?} at {t}");
+        }
+    }
+
+    #[test]
+    fn boxes_of_hit_spheres_are_crossed(
+        origin in vector(), center in vector(), radius in 1e-4..1.0_f32, beside in vector(),
+        (scale, length, offset) in (scale(), scale(), offset()), middle in vector(),
+    ) {
+        let place = |v: Vec3| scale * (v + Vec3::splat(offset));
+        let sphere = Sphere::new(place(center), scale * radius);
+        let target = place(center + radius * beside.normalize_or(Vec3::X));
+        let origin = place(origin);
+        let direction = length / scale * (target - origin);
+        let ray = Ray { t_min: f32::NEG_INFINITY, ..Ray::new(origin, direction) };
+        prop_assume!(ray.state() == crate::RayState::Active);
+        // What the accepting test promises to measure.
+        prop_assume!(sphere.radius > 1e-18 && (sphere.center - origin).length() < 1e17);
+        if let Some(t) = hit_sphere(&ray, &sphere) {
+            let crossed = crossed(&reaching(&ray, t), Content::Sphere(sphere), place(middle));
+            prop_assert!(crossed.iter().all(|&crossed| crossed), "{ray:?} {sphere:?} at {t}");
+        }
+    }
+}
+
+#[test]
+fn boxes_beside_behind_and_out_of_reach_are_not_crossed() {
+    let down = Ray::new(Vec3::new(0.25, 0.25, 5.0), -2.0 * Vec3::Z);
+    let unit = Content::Triangle([Vec3::ZERO, Vec3::X, Vec3::Y]);
+    let is_crossed = |ray: Ray| {
+        let all = crossed(&ray, unit, Vec3::splat(3.0));
+        assert!(all.windows(2).all(|pair| pair[0] == pair[1]));
+        all[0]
+    };
+    assert!(is_crossed(down));
+    assert!(is_crossed(Ray { origin: Vec3::new(1.0, 1.0, 5.0), ..down }));
+    assert!(!is_crossed(Ray { origin: Vec3::new(1.001, 0.5, 5.0), ..down }));
+    assert!(!is_crossed(Ray { direction: Vec3::Z, ..down }));
+    assert!(is_crossed(Ray { direction: Vec3::Z, t_min: -6.0, ..down }));
+    assert!(!is_crossed(Ray { t_max: 2.49, ..down }));
+    assert!(!is_crossed(Ray { t_min: 2.51, ..down }));
+}
+
+/// Rays and boxes too large for the arithmetic.
+#[test]
+fn what_is_out_of_range_is_crossed() {
+    let huge = [Vec3::ZERO, 3e38 * Vec3::X, -3e38 * Vec3::Y];
+    let unit = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    for (corners, origin) in [(huge, Vec3::Z), (unit, 3e38 * Vec3::ONE), (huge, -3e38 * Vec3::ONE)]
+    {
+        for middle in [Vec3::ZERO, Vec3::splat(1e38), Vec3::splat(-3e38)] {
+            for direction in [Vec3::X, -1e-38 * Vec3::Y, 3e38 * Vec3::ONE] {
+                let all = crossed(&Ray::new(origin, direction), Content::Triangle(corners), middle);
+                assert!(all.iter().all(|&crossed| crossed));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_ray_cut_short_crosses_what_lies_nearer() {
+    let mut block = BoxBlock::ZERO;
+    block.set(0, Vec3::new(-1.0, -1.0, 4.0), Vec3::new(1.0, 1.0, 5.0));
+    block.pad(1);
+    let space = BoxSpace { middle: Vec3::ZERO, half_size: Vec3::splat(5.0) };
+    let mut ray = BoxRay::new(&Ray::new(Vec3::ZERO, 0.5 * Vec3::Z), &space, SLACK);
+    let count = |ray: &BoxRay| {
+        dispatch!(SimdLevel::best().level(), simd => {
+            crosses(simd, ray, &block.load(simd)).to_bitmask().count_ones()
+        })
+    };
+    assert_eq!((count(&ray), ray.direction()), (16, Vec3::Z));
+    ray.set_t_max(8.5);
+    assert_eq!(count(&ray), 16);
+    ray.set_t_max(7.9);
+    assert_eq!(count(&ray), 0);
+}
