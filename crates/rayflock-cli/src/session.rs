@@ -6,6 +6,7 @@ use anyhow::Context;
 use rayflock::engine::{CommitStats, RayEngine};
 use rayflock::render::{Film, FrameRenderer, FrameStats, WhittedRenderer};
 use rayflock::scene::Evaluator;
+use tracing::debug_span;
 
 use crate::allocations::COUNTER;
 use crate::failure::{Blame, Failure};
@@ -72,6 +73,7 @@ impl Session {
 
     /// Renders one frame to the film.
     fn render_frame(&mut self, frame: u32) -> Result<FrameRecord, Failure> {
+        let _span = debug_span!("frame", frame).entered();
         let context = || format!("{}: frame {frame}", self.plan.input.name);
         let time = self.plan.time(frame);
         let start = Instant::now();

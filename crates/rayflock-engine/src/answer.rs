@@ -17,6 +17,7 @@ use rayflock_geom::simd::{
 };
 use rayflock_geom::{Hit, Hits};
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use crate::packet::Nearest;
 use crate::primitives::{PrimitiveTable, RankedObject};
@@ -30,11 +31,13 @@ pub(crate) fn offer_hits(
     nearest: impl Fn(usize) -> Nearest + Sync,
     hits: &mut Hits<'_>,
 ) {
+    let _span = debug_span!("offer_hits").entered();
     offer_part(table, &nearest, 0, hits.reborrow());
 }
 
 /// Writes whether each ray is occluded, by its position.
 pub(crate) fn tell_occluded(is_occluded: impl Fn(usize) -> bool + Sync, occluded: &mut [bool]) {
+    let _span = debug_span!("tell_occluded").entered();
     occluded.par_chunks_mut(RAYS_PER_TASK).enumerate().for_each(|(task_idx, occluded)| {
         for (idx, occluded) in occluded.iter_mut().enumerate() {
             *occluded = is_occluded(task_idx * RAYS_PER_TASK + idx);

@@ -20,6 +20,7 @@ mod cross;
 use rayflock_geom::simd::dispatch;
 use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch};
 use rayon::prelude::*;
+use tracing::debug_span;
 
 pub use config::Config;
 
@@ -50,6 +51,7 @@ impl BruteEngine {
         question: Question,
         t_bound: impl Fn(usize) -> f32 + Sync,
     ) -> TraceStats {
+        let _span = debug_span!("cross").entered();
         // Tasks write what they begin with.
         self.nearest.resize(rays.len(), Nearest::NONE);
         let (level, table) = (self.config.simd.level(), &self.table);

@@ -20,6 +20,7 @@ use std::ops::Range;
 use rayflock_engine::{CommitStats, RayEngine};
 use rayflock_geom::HitBuffer;
 use rayflock_scene::{Background, LightKind, Scene, SceneFrame};
+use tracing::debug_span;
 
 use crate::frame_shading::FrameShading;
 use crate::lights::key_light::key_light;
@@ -77,6 +78,7 @@ impl WhittedRenderer {
 
 impl FrameRenderer for WhittedRenderer {
     fn commit(&mut self, scene: &Scene, frame: &SceneFrame) -> Result<CommitStats, RenderError> {
+        let _span = debug_span!("commit_frame").entered();
         self.frame = None;
         let shading = FrameShading::new(scene, frame)?;
         let stats = self.engine.commit(&frame.geometry, &frame.changes)?;
@@ -85,6 +87,7 @@ impl FrameRenderer for WhittedRenderer {
     }
 
     fn render(&mut self, view: &View, settings: &RenderSettings, film: &mut Film) -> FrameStats {
+        let _span = debug_span!("render").entered();
         let settings = settings.clamped();
         let Some(frame) = &self.frame else {
             let background = settings.background.unwrap_or(DEFAULT_SKY);
@@ -190,7 +193,9 @@ impl<'a> Picture<'a> {
     ) {
         buffers.hits.reset(wave.len());
         let stopwatch = Stopwatch::start();
+        let span = debug_span!("closest_hit").entered();
         stats.trace += engine.closest_hit(&wave.batch(), &mut buffers.hits.as_hits());
+        drop(span);
         stats.trace_seconds += stopwatch.seconds();
 
         shade_surface(&self.surroundings, wave, &buffers.hits, &mut buffers.runs);
@@ -224,7 +229,9 @@ impl<'a> Picture<'a> {
         if self.settings.shadows && count > 0 {
             let batch = shadow_batch(target, &buffers.shadow);
             let stopwatch = Stopwatch::start();
+            let span = debug_span!("occluded").entered();
             stats.trace += engine.occluded(&batch, &mut buffers.occluded);
+            drop(span);
             stats.trace_seconds += stopwatch.seconds();
             stats.rays.shadow += count as u64;
         }

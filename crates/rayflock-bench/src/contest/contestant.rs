@@ -2,6 +2,7 @@
 
 use rayflock::engine::{EngineError, RayEngine};
 use rayflock::geom::Geometry;
+use tracing::debug_span;
 
 use super::answers::{Answers, Traced};
 use super::compare::Comparison;
@@ -113,6 +114,7 @@ impl Contestant {
 
     /// Commits and traces one frame, measured. What goes wrong takes the engine out of the cell.
     pub(super) fn take_turn(&mut self, frame: &PieceFrame, answers: &mut Answers) {
+        let _span = debug_span!("turn", engine = self.name).entered();
         let commit = match self.commit(&frame.geometry) {
             Ok(commit) => commit,
             Err(error) => return self.skipped = Some(error.to_string()),

@@ -7,6 +7,7 @@ mod errors;
 mod formats;
 mod resume;
 mod stats;
+mod trace;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};

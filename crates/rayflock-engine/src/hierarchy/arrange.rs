@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use rayflock_geom::simd::LANES;
 use rayflock_geom::{Ray, RayBatch, RayOrder, RayState};
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use super::sort_rays::RaySorter;
 
@@ -57,6 +58,7 @@ struct Image {
 impl Arrangement {
     /// Arranges the rays of `batch`. An image of the same size as before is not arranged anew.
     pub(super) fn assign(&mut self, batch: &RayBatch<'_>) {
+        let _span = debug_span!("arrange").entered();
         let order = effective_order(batch);
         let key = (batch.len(), order);
         if self.made_for == Some(key) {

@@ -7,6 +7,7 @@ use rayflock_geom::simd::cone_sphere::{SLACK, SphereBlock};
 use rayflock_geom::simd::ray_triangle::TriangleBlock;
 use rayflock_geom::simd::{LANES, Lanes, SimdLevel};
 use rayflock_geom::{FrameChanges, Geometry, RayTransform, Sphere, UserPrimitives};
+use tracing::debug_span;
 
 use super::ignored::IgnoredCounter;
 use super::plan::Work;
@@ -79,6 +80,7 @@ impl PrimitiveTable {
 
     /// Takes over a frame, writing the primitives of objects that differ from the frame before.
     pub(crate) fn commit(&mut self, geometry: &Geometry, changes: &FrameChanges) -> CommitStats {
+        let _span = debug_span!("commit").entered();
         let layout_differs = self.layout.assign(geometry);
         self.plan_work(geometry, changes, layout_differs);
         self.geometry.clone_from(geometry);

@@ -12,6 +12,7 @@ use rayflock_geom::simd::sphere_blocks::around_blocks;
 use rayflock_geom::simd::triangle_lanes::TriangleLanes;
 use rayflock_geom::simd::{LANES, Simd, dispatch};
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use super::plan::Work;
 use super::table::PrimitiveTable;
@@ -26,6 +27,7 @@ impl PrimitiveTable {
             return;
         }
         self.bounds_are_stale = false;
+        let _span = debug_span!("write_bounds").entered();
         let (simd, corners) = (self.simd, &self.corners);
         let groups = self.bounds.par_chunks_mut(LANES).zip(&mut self.block_bounds);
         let groups = groups.zip(&mut self.stale_groups).enumerate();

@@ -16,6 +16,7 @@ use rayflock_geom::simd::triangle_rows::{ROW_COUNT, TriangleRow, columns_of_rows
 use rayflock_geom::simd::{LANES, Simd, SimdMask, dispatch};
 use rayflock_geom::{GeometryObject, Mesh, is_degenerate_triangle, transform_point};
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use super::ignored::Ignored;
 use super::plan::Work;
@@ -23,7 +24,7 @@ use super::span::ObjectSpan;
 use super::table::PrimitiveTable;
 
 /// Blocks that one task writes.
-pub(super) const BLOCKS_PER_TASK: usize = 64;
+pub(super) const BLOCKS_PER_TASK: usize = 256;
 
 /// Blocks of neighbouring slots, and where they lie.
 struct Blocks<'a> {
@@ -54,6 +55,7 @@ impl PrimitiveTable {
             .par_chunks_mut(BLOCKS_PER_TASK)
             .zip(self.masks[blocks].par_chunks_mut(BLOCKS_PER_TASK));
         tasks.enumerate().for_each(|(task_idx, (corners, masks))| {
+            let _span = debug_span!("write_triangles").entered();
             let first_slot = first_slot + task_idx * BLOCKS_PER_TASK * LANES;
             let slots = first_slot..first_slot + corners.len() * LANES;
             let mut blocks = Blocks { first_slot, corners, masks };

@@ -5,6 +5,7 @@
 
 use glam::Vec3;
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use crate::wave::{Contribution, ShadedRun};
 
@@ -24,6 +25,7 @@ impl BandSums {
 
     /// Adds light that needs no shadow ray.
     pub(crate) fn add_unshadowed(&mut self, runs: &[ShadedRun]) {
+        let _span = debug_span!("accumulate").entered();
         for run in runs {
             run.unshadowed.iter().for_each(|contribution| self.add(contribution));
         }
@@ -32,6 +34,7 @@ impl BandSums {
     /// Adds the light whose shadow ray found nothing in its way;
     /// `occluded.len() == contributions.len()`.
     pub(crate) fn add_lit(&mut self, contributions: &[Contribution], occluded: &[bool]) {
+        let _span = debug_span!("accumulate").entered();
         for (contribution, &occluded) in contributions.iter().zip(occluded) {
             if !occluded {
                 self.add(contribution);

@@ -9,6 +9,7 @@ use glam::Vec3;
 use rayflock_geom::{HitBuffer, Ray, RayBatch};
 use rayflock_scene::{Background, Material};
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use super::RUN;
 use super::mirror_rays::mirror_ray;
@@ -52,6 +53,7 @@ pub(crate) fn shade_surface(
     hits: &HitBuffer,
     runs: &mut Vec<ShadedRun>,
 ) {
+    let _span = debug_span!("shade_surface").entered();
     let batch = wave.batch();
     runs.resize_with(wave.len().div_ceil(RUN).max(runs.len()), ShadedRun::default);
     runs.par_iter_mut().enumerate().for_each(|(run_idx, run)| {

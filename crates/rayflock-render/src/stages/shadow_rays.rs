@@ -11,6 +11,7 @@ use glam::Vec3;
 use rayflock_geom::{Column, RayBatch, RayOrder};
 use rayflock_scene::LightKind;
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use crate::lights::emitters::Emitters;
 use crate::lights::incident::{Incident, incident};
@@ -34,6 +35,7 @@ pub(crate) enum ShadowTarget<'a> {
 
 /// Fills `wave` with a ray for each point of `runs` that the light may light.
 pub(crate) fn shadow_rays(target: ShadowTarget<'_>, runs: &mut [ShadedRun], wave: &mut ShadowWave) {
+    let _span = debug_span!("shadow_rays").entered();
     runs.par_iter_mut().for_each(|run| {
         run.shadow.clear();
         for point in &run.points {
