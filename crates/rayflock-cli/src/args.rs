@@ -205,6 +205,11 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "FILE.json")]
     pub(crate) stats: Option<PathBuf>,
 
+    /// Tell which engine answered each batch of rays, how long it took, and what it and the others
+    /// were expected to take; needs the engine auto.
+    #[arg(long)]
+    pub(crate) explain: bool,
+
     /// Draw update and render time of each frame to a .svg or .html file.
     #[arg(long, value_name = "FILE")]
     pub(crate) plot: Option<PathBuf>,

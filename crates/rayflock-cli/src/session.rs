@@ -62,6 +62,11 @@ impl Session {
                 ignored_before = true;
                 progress.say(format_args!("warning: {}", ignored_text(&self.plan, &record)));
             }
+            if self.plan.explain {
+                for choice in self.renderer.choices() {
+                    progress.say(format_args!("frame {frame}: {choice}"));
+                }
+            }
             let (path, format) = (names.path(frame), self.plan.target.frame_format());
             picture::write(&path, format, &self.film, self.plan.look).blame_output()?;
             journal.add(record).blame_output()?;

@@ -17,6 +17,7 @@
 
 use std::ops::Range;
 
+use rayflock_engine::auto::Choice;
 use rayflock_engine::{CommitStats, RayEngine};
 use rayflock_geom::HitBuffer;
 use rayflock_scene::{Background, LightKind, Scene, SceneFrame};
@@ -111,6 +112,10 @@ impl FrameRenderer for WhittedRenderer {
     fn memory_usage(&self) -> usize {
         let frame = self.frame.as_ref().map_or(0, FrameShading::memory_usage);
         self.engine.memory_usage() + frame + self.buffers.memory_usage()
+    }
+
+    fn choices(&self) -> &[Choice] {
+        self.engine.choices()
     }
 }
 

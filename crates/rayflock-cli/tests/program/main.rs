@@ -4,6 +4,7 @@ mod bench;
 mod demo_and_info;
 mod engines;
 mod errors;
+mod explain;
 mod formats;
 mod resume;
 mod stats;
