@@ -228,7 +228,7 @@ impl<'a> Picture<'a> {
         stats: &mut FrameStats,
     ) {
         shadow_rays(target, &mut buffers.runs, &mut buffers.shadow);
-        let count = buffers.shadow.contributions.len();
+        let count = buffers.shadow.len();
         buffers.occluded.clear();
         buffers.occluded.resize(count, false);
         if self.settings.shadows && count > 0 {
@@ -240,7 +240,7 @@ impl<'a> Picture<'a> {
             stats.trace_seconds += stopwatch.seconds();
             stats.rays.shadow += count as u64;
         }
-        buffers.sums.add_lit(&buffers.shadow.contributions, &buffers.occluded);
+        buffers.sums.add_lit(&buffers.runs, &buffers.occluded);
     }
 }
 

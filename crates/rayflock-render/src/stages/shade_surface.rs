@@ -5,6 +5,8 @@
 //! absorbed along the ray first (Beer-Lambert); a ray that leaves a transmitting solid without
 //! hitting its far side, because the mesh is open, is not absorbed.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use rayflock_geom::{HitBuffer, Ray, RayBatch};
 use rayflock_scene::{Background, Material};
@@ -59,10 +61,20 @@ pub(crate) fn shade_surface(
     runs.par_iter_mut().enumerate().for_each(|(run_idx, run)| {
         run.clear(wave.bounce);
         let start = (run_idx * RUN).min(wave.len());
-        for ray_idx in start..(start + RUN).min(wave.len()) {
+        let end = (start + RUN).min(wave.len());
+        run.pixels = pixels_of(&wave.paths[start..end]);
+        for ray_idx in start..end {
             shade_ray(surroundings, wave, &batch, hits, ray_idx, run);
         }
     });
+}
+
+/// From the first to the last pixel of `paths`.
+fn pixels_of(paths: &[Path]) -> Range<usize> {
+    let pixels = paths.iter().map(|path| path.pixel_idx as usize);
+    let (first, last) =
+        pixels.fold((usize::MAX, 0), |(first, last), pixel| (first.min(pixel), last.max(pixel)));
+    if paths.is_empty() { 0..0 } else { first..last + 1 }
 }
 
 fn shade_ray(
