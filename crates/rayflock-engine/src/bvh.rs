@@ -34,7 +34,7 @@ mod tree;
 
 use std::sync::Mutex;
 
-use rayflock_geom::simd::ray_boxes::BoxSpace;
+use rayflock_geom::simd::ray_boxes::BoxBounds;
 use rayflock_geom::simd::{LANES, dispatch};
 use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch};
 use rayon::prelude::*;
@@ -61,9 +61,6 @@ pub struct BvhEngine {
     wanted: Wanted,
     kept: Tree,
     fresh: Tree,
-    /// Where the boxes of each tree are; both have one middle.
-    kept_space: BoxSpace,
-    fresh_space: BoxSpace,
     nearest: Vec<Nearest>,
     /// Memory of tasks that are not running.
     scratch: Mutex<Vec<BlockTracer>>,
@@ -78,16 +75,22 @@ impl BvhEngine {
     /// Builds the kept tree if its objects changed, and the fresh one.
     fn build(&mut self) {
         let change = self.parts.divide(self.table.geometry(), self.table.spans());
-        let level = self.config.simd;
+        let (level, places) = (self.config.simd, self.parts.places());
         if change == KeptChange::Build {
-            self.wanted.list(&self.table, self.parts.places(), |place| place == Place::Kept);
-            self.kept_space =
-                self.builder.build(level, &self.table, &self.wanted, None, &mut self.kept);
+            self.wanted.list(&self.table, places, |place| place == Place::Kept);
+            self.builder.build(level, &self.table, &self.wanted, &mut self.kept);
         }
-        let middle = (!self.kept.is_empty()).then_some(self.kept_space.middle);
-        self.wanted.list(&self.table, self.parts.places(), |place| place != Place::Kept);
-        self.fresh_space =
-            self.builder.build(level, &self.table, &self.wanted, middle, &mut self.fresh);
+        self.wanted.list(&self.table, places, |place| place != Place::Kept);
+        self.builder.build(level, &self.table, &self.wanted, &mut self.fresh);
+    }
+
+    /// The box around everything in the trees.
+    fn bounds(&self) -> BoxBounds {
+        match (self.fresh.is_empty(), self.kept.is_empty()) {
+            (false, false) => self.fresh.bounds.union(&self.kept.bounds),
+            (false, true) => self.fresh.bounds,
+            (true, _) => self.kept.bounds,
+        }
     }
 
     /// Fills `nearest` for the whole batch; `t_bound` tells beyond which hits are of no interest.
@@ -105,8 +108,7 @@ impl BvhEngine {
             trees: [&self.fresh, &self.kept],
             question,
         };
-        let half_size = self.kept_space.half_size.max(self.fresh_space.half_size);
-        let space = BoxSpace { middle: self.fresh_space.middle, half_size };
+        let bounds = self.bounds();
         let prim_count = self.fresh.triangle_leaves.len() * LANES;
         let block_len = block_len(rays.len(), prim_count);
         let (level, slack, scratch) = (self.config.simd.level(), self.table.slack(), &self.scratch);
@@ -116,7 +118,7 @@ impl BvhEngine {
             let first_ray = block_idx * block_len;
             let stats = dispatch!(level, simd => {
                 let mut stats =
-                    tracer.rays.fill(rays, first_ray, nearest.len(), &space, slack, t_bound);
+                    tracer.rays.fill(rays, first_ray, nearest.len(), &bounds, slack, t_bound);
                 tracer.trace(simd, &asked, nearest, &mut stats);
                 stats
             });

@@ -1,8 +1,7 @@
 //! Builds a tree over some primitives: leaves in the order of a curve, nodes from the bottom up.
 
-use glam::Vec3;
-use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxLanes, BoxSpace};
-use rayflock_geom::simd::triangle_boxes::{sphere_boxes, triangle_boxes};
+use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxBounds};
+use rayflock_geom::simd::triangle_boxes::{around_spheres, around_triangles};
 use rayflock_geom::simd::{LANES, Simd, SimdLevel, dispatch};
 use rayon::prelude::*;
 
@@ -21,34 +20,28 @@ pub(super) struct TreeBuilder {
 }
 
 impl TreeBuilder {
-    /// Builds `tree` over the wanted primitives, triangles and others. Boxes are relative to
-    /// `middle`, or to the middle of the primitives; returns the space that they take up.
+    /// Builds `tree` over the wanted primitives.
     pub(super) fn build(
         &mut self,
         level: SimdLevel,
         table: &PrimitiveTable,
         wanted: &Wanted,
-        middle: Option<Vec3>,
         tree: &mut Tree,
-    ) -> BoxSpace {
-        let triangles_middle = self.triangles.sort(level, table, &wanted.triangles);
-        let others_middle = self.others.sort(level, table, &wanted.others);
-        let own_middle = if self.triangles.len() > 0 { triangles_middle } else { others_middle };
-        let middle = middle.unwrap_or(own_middle);
-
+    ) {
+        self.triangles.sort(level, table, &wanted.triangles);
+        self.others.sort(level, table, &wanted.others);
         let leaves = [&self.triangles, &self.others].map(|sorter| sorter.len().div_ceil(LANES));
         tree.resize(leaves[0], leaves[1]);
-        if tree.is_empty() {
-            return BoxSpace { middle, half_size: Vec3::ZERO };
-        }
-        let writer = LeafWriter { level, table, middle };
+        let writer = LeafWriter { level, table };
         let (triangle_nodes, other_nodes) = tree.nodes.split_at_mut(leaves[0].div_ceil(LANES));
         writer.write_triangles(&self.triangles, &mut tree.triangle_leaves, triangle_nodes);
         writer.write_others(&self.others, &mut tree.other_leaves, other_nodes);
         for upper in 1..tree.level_count() {
             bound_level(level, tree, upper);
         }
-        BoxSpace { middle, half_size: half_size(level, tree) }
+        if let Some(root) = tree.nodes.last() {
+            tree.bounds = dispatch!(level.level(), simd => root.around(simd));
+        }
     }
 
     /// Bytes held.
@@ -67,7 +60,6 @@ pub(super) struct Wanted {
 struct LeafWriter<'a> {
     level: SimdLevel,
     table: &'a PrimitiveTable,
-    middle: Vec3,
 }
 
 impl LeafWriter<'_> {
@@ -83,8 +75,7 @@ impl LeafWriter<'_> {
                 for (lane, leaf) in leaves.iter_mut().enumerate() {
                     let first = (node_idx * LANES + lane) * LANES;
                     self.gather(sorter, first, leaf);
-                    let (min, max) = triangle_boxes(simd, &leaf.triangles, self.middle).around();
-                    node.set(lane, min, max);
+                    node.set(lane, &around_triangles(simd, &leaf.triangles));
                 }
             });
             node.pad(leaves.len());
@@ -109,8 +100,7 @@ impl LeafWriter<'_> {
             dispatch!(self.level.level(), simd => {
                 for (lane, leaf) in leaves.iter_mut().enumerate() {
                     let first = (node_idx * LANES + lane) * LANES;
-                    let (min, max) = self.write_other_leaf(simd, sorter, first, leaf).around();
-                    node.set(lane, min, max);
+                    node.set(lane, &self.write_other_leaf(simd, sorter, first, leaf));
                 }
             });
             node.pad(leaves.len());
@@ -124,7 +114,7 @@ impl LeafWriter<'_> {
         sorter: &SlotSorter,
         first: usize,
         leaf: &mut OtherLeaf,
-    ) -> BoxLanes<S> {
+    ) -> BoxBounds {
         leaf.count = (sorter.len() - first).min(LANES);
         let mut spheres = *self.table.bounds(sorter.slot(first) as usize / LANES);
         for lane in 0..LANES {
@@ -132,7 +122,7 @@ impl LeafWriter<'_> {
             leaf.slots[lane] = slot;
             spheres.set(lane, &self.table.bound(slot));
         }
-        sphere_boxes(simd, &spheres, self.middle)
+        around_spheres(simd, &spheres)
     }
 }
 
@@ -145,17 +135,9 @@ fn bound_level(level: SimdLevel, tree: &mut Tree, upper: usize) {
     tasks.with_min_len(NODES_PER_TASK).for_each(|(node, children)| {
         dispatch!(level.level(), simd => {
             for (lane, child) in children.iter().enumerate() {
-                let (min, max) = child.load(simd).around();
-                node.set(lane, min, max);
+                node.set(lane, &child.around(simd));
             }
         });
         node.pad(children.len());
     });
-}
-
-/// How far the root's boxes reach.
-fn half_size(level: SimdLevel, tree: &Tree) -> Vec3 {
-    let Some(root) = tree.nodes.last() else { return Vec3::ZERO };
-    let (min, max) = dispatch!(level.level(), simd => root.load(simd).around());
-    min.abs().max(max.abs())
 }

@@ -77,19 +77,18 @@ struct Cells {
 }
 
 impl SlotSorter {
-    /// Sorts what can be hit of the `wanted` primitives, and returns their bounds' middle.
-    /// The order is then in [`Self::slot`].
+    /// Sorts what can be hit of the `wanted` primitives. The order is then in [`Self::slot`].
     pub(super) fn sort(
         &mut self,
         level: SimdLevel,
         table: &PrimitiveTable,
         wanted: &[WantedLanes],
-    ) -> Vec3 {
+    ) {
         let most_chunks = CHUNKS_PER_THREAD * rayon::current_num_threads();
         let blocks_per_chunk = wanted.len().div_ceil(most_chunks).max(BLOCKS_PER_CHUNK);
         self.measure(level, table, wanted, blocks_per_chunk);
         if self.len == 0 {
-            return Vec3::ZERO;
+            return;
         }
         let cells = self.cells();
         let passes = passes(cells.bits);
@@ -101,7 +100,6 @@ impl SlotSorter {
             }
             self.scatter(*pass);
         }
-        self.middle()
     }
 
     /// Number of sorted primitives.
@@ -139,11 +137,6 @@ impl SlotSorter {
     fn bounds(&self) -> (Vec3, Vec3) {
         let empty = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         self.chunks.iter().fold(empty, |(min, max), chunk| (min.min(chunk.min), max.max(chunk.max)))
-    }
-
-    fn middle(&self) -> Vec3 {
-        let (min, max) = self.bounds();
-        0.5 * min + 0.5 * max
     }
 
     fn cells(&self) -> Cells {

@@ -15,7 +15,7 @@ use rayflock_geom::simd::ray_triangle::intersect_block;
 use rayflock_geom::simd::{LANES, Simd, SimdBase, SimdMask, mask32x16, u32x16};
 use rayflock_geom::{Ray, RayBatch};
 
-use super::ray_block::RayBlock;
+use super::ray_block::{OCTANTS, RayBlock, octant_direction};
 use super::tree::{Child, Tree, TriangleLeaf};
 use crate::TraceStats;
 use crate::packet::{Nearest, Question, TracePacket};
@@ -74,29 +74,46 @@ impl BlockTracer {
         nearest: &mut [Nearest],
         stats: &mut TraceStats,
     ) {
-        for tree in asked.trees {
-            if tree.is_empty() || self.rays.active.is_empty() {
-                continue;
+        for octant in 0..OCTANTS {
+            let len = self.rays.octants[octant].len();
+            for tree in asked.trees {
+                if len == 0 || tree.is_empty() {
+                    continue;
+                }
+                self.lists.clear();
+                self.lists.extend_from_slice(&self.rays.octants[octant]);
+                self.lists.resize(len.next_multiple_of(LANES), 0);
+                let child = Child::Node(tree.level_count() - 1, 0);
+                self.visits.push(Visit { child, first: 0, len });
+                let direction = octant_direction(octant);
+                self.trace_tree(simd, asked, tree, direction, nearest, stats);
             }
-            let len = self.rays.active.len();
-            self.lists.clear();
-            self.lists.extend_from_slice(&self.rays.active);
-            let child = Child::Node(tree.level_count() - 1, 0);
-            self.visits.push(Visit { child, first: 0, len });
-            while let Some(visit) = self.visits.pop() {
-                match visit.child {
-                    Child::Node(level, node_idx) => {
-                        self.visit_node(simd, tree, [level, node_idx], visit, stats);
-                    }
-                    Child::Triangles(leaf_idx) => {
-                        let leaf = &tree.triangle_leaves[leaf_idx];
-                        self.test_triangles(simd, leaf, visit, asked.question, nearest, stats);
-                    }
-                    Child::Others(leaf_idx) => {
-                        let leaf = &tree.other_leaves[leaf_idx];
-                        let slots = &leaf.slots[..leaf.count];
-                        self.test_others(simd, asked, slots, visit, nearest, stats);
-                    }
+        }
+    }
+
+    #[inline(always)]
+    fn trace_tree<S: Simd>(
+        &mut self,
+        simd: S,
+        asked: &BlockQuestion<'_>,
+        tree: &Tree,
+        direction: Vec3,
+        nearest: &mut [Nearest],
+        stats: &mut TraceStats,
+    ) {
+        while let Some(visit) = self.visits.pop() {
+            match visit.child {
+                Child::Node(level, node_idx) => {
+                    self.visit_node(simd, tree, [level, node_idx], visit, direction, stats);
+                }
+                Child::Triangles(leaf_idx) => {
+                    let leaf = &tree.triangle_leaves[leaf_idx];
+                    self.test_triangles(simd, leaf, visit, asked.question, nearest, stats);
+                }
+                Child::Others(leaf_idx) => {
+                    let leaf = &tree.other_leaves[leaf_idx];
+                    let slots = &leaf.slots[..leaf.count];
+                    self.test_others(simd, asked, slots, visit, nearest, stats);
                 }
             }
         }
@@ -110,6 +127,7 @@ impl BlockTracer {
         tree: &Tree,
         [level, node_idx]: [usize; 2],
         visit: Visit,
+        direction: Vec3,
         stats: &mut TraceStats,
     ) {
         let boxes = tree.boxes(level, node_idx);
@@ -120,16 +138,28 @@ impl BlockTracer {
         stats.bytes += size_of_val(boxes) as u64;
 
         // Whoever is visited first lies on top of the stack.
-        let first_to_last = middle_of(boxes, child_count - 1) - middle_of(boxes, 0);
-        let ray_idx = self.lists[visit.first] as usize;
-        let forward = self.rays.box_rays[ray_idx].direction().dot(first_to_last) >= 0.0;
+        let mut order = [0_u64; LANES];
+        let mut count = 0;
+        let along = boxes.along(simd, direction);
         let mut remaining = any;
+        while remaining != 0 {
+            let lane = remaining.trailing_zeros();
+            remaining &= remaining - 1;
+            let bits = along[lane as usize].to_bits();
+            let key = if bits >> 31 == 0 { bits | (1 << 31) } else { !bits };
+            let key = (u64::from(!key) << 32) | u64::from(lane);
+            let mut place = count;
+            while place > 0 && order[place - 1] > key {
+                order[place] = order[place - 1];
+                place -= 1;
+            }
+            order[place] = key;
+            count += 1;
+        }
         let mut top = visit.first + visit.len.next_multiple_of(LANES);
         let before = top;
-        while remaining != 0 {
-            let lane =
-                if forward { 31 - remaining.leading_zeros() } else { remaining.trailing_zeros() };
-            remaining &= !(1 << lane);
+        for &key in &order[..count] {
+            let lane = key as u32;
             let len = self.append_list(simd, visit, lane, top);
             let child = tree.child(level, node_idx, lane as usize);
             self.visits.push(Visit { child, first: top, len });
@@ -150,8 +180,8 @@ impl BlockTracer {
         let mut any = 0;
         let list = &self.lists[visit.first..visit.first + visit.len];
         for (&ray_idx, crossed) in list.iter().zip(&mut self.crossed) {
-            let ray = &self.rays.box_rays[ray_idx as usize];
-            let bits = crosses(simd, ray, &boxes).to_bitmask() as u32;
+            let ray = &self.rays.rays[ray_idx as usize];
+            let bits = crosses(simd, ray.origin, &ray.box_ray, &boxes).to_bitmask() as u32;
             *crossed = bits;
             any |= bits;
         }
@@ -195,17 +225,17 @@ impl BlockTracer {
         let mut test_count = 0;
         for place in visit.first..visit.first + visit.len {
             let idx = self.lists[place] as usize;
-            let ray = &self.rays.leaf_rays[idx];
-            if question == Question::Occluded && !nearest[idx].is_none() {
+            let ray = &self.rays.rays[idx];
+            if ray.is_done() {
                 continue;
             }
             test_count += 1;
             let seen = masks & u32x16::splat(simd, ray.mask);
             let active: mask32x16<S> = !seen.simd_eq(u32x16::splat(simd, 0));
-            let hits = intersect_block(simd, &ray.sheared, &leaf.triangles, active);
+            let hits = intersect_block(simd, &ray.sheared(), &leaf.triangles, active);
             if hits.accepted.any_true() {
                 nearest[idx].offer_lanes(&hits, &leaf.ranks);
-                self.keep(idx, &nearest[idx], question);
+                self.rays.shorten(idx, &nearest[idx], question);
             }
         }
         stats.triangle_tests += test_count * LANES as u64;
@@ -229,9 +259,9 @@ impl BlockTracer {
             self.packet.clear();
             for lane in 0..count {
                 let idx = self.lists[first + lane] as usize;
-                if asked.question == Question::Closest || nearest[idx].is_none() {
+                let t_max = self.rays.rays[idx].t_max;
+                if !self.rays.rays[idx].is_done() {
                     let ray = asked.batch.ray(self.rays.first_ray + idx);
-                    let t_max = self.rays.leaf_rays[idx].sheared.t_max;
                     self.packet.set(lane, &Ray { t_max, ..ray }, f32::INFINITY);
                 }
             }
@@ -245,21 +275,12 @@ impl BlockTracer {
                 let found = self.packet.nearest(lane);
                 if !found.is_none() {
                     nearest[idx].offer(found);
-                    self.keep(idx, &nearest[idx], asked.question);
+                    self.rays.shorten(idx, &nearest[idx], asked.question);
                 }
             }
         }
         tests.bytes = tests.sphere_tests / LANES as u64 * SPHERE_BYTES;
         *stats += tests;
-    }
-
-    /// Takes note of a ray's nearest hit.
-    #[inline(always)]
-    fn keep(&mut self, idx: usize, nearest: &Nearest, question: Question) {
-        match question {
-            Question::Closest => self.rays.shorten(idx, nearest),
-            Question::Occluded => self.rays.retire(idx),
-        }
     }
 
     /// Bytes held.
@@ -268,11 +289,4 @@ impl BlockTracer {
             + (self.lists.capacity() + self.crossed.capacity()) * size_of::<u32>()
             + self.visits.capacity() * size_of::<Visit>()
     }
-}
-
-/// Twice the middle of one child's box.
-#[inline(always)]
-fn middle_of(boxes: &BoxBlock, lane: usize) -> Vec3 {
-    let sum = |axis: usize| boxes.min[axis][lane] + boxes.max[axis][lane];
-    Vec3::new(sum(0), sum(1), sum(2))
 }

@@ -13,7 +13,7 @@
 use std::ops::Range;
 
 use rayflock_geom::simd::LANES;
-use rayflock_geom::simd::ray_boxes::BoxBlock;
+use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxBounds};
 use rayflock_geom::simd::ray_triangle::TriangleBlock;
 
 /// Sixteen triangles, with all that a test reads.
@@ -66,6 +66,8 @@ pub(super) struct Tree {
     pub(super) nodes: Vec<BoxBlock>,
     /// Where each level begins among the nodes; after the last level, their number.
     level_starts: Vec<usize>,
+    /// The box around everything.
+    pub(super) bounds: BoxBounds,
 }
 
 impl Tree {

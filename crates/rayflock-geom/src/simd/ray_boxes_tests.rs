@@ -3,7 +3,7 @@ use proptest::prelude::*;
 use super::super::cone_sphere::{SLACK, SphereBlock};
 use super::super::ray_sphere::{SphereRays, intersect_sphere};
 use super::super::ray_triangle::{ShearedRay, TriangleBlock, intersect_block};
-use super::super::triangle_boxes::{sphere_boxes, triangle_boxes};
+use super::super::triangle_boxes::{around_spheres, around_triangles};
 use super::super::{SimdLevel, SimdMask, dispatch};
 use super::*;
 use crate::Sphere;
@@ -38,8 +38,8 @@ enum Content {
     Sphere(Sphere),
 }
 
-/// Whether a box in a space about `middle` is crossed, at every level; the levels may differ.
-fn crossed(ray: &Ray, content: Content, middle: Vec3) -> Vec<bool> {
+/// Whether the box in the middle of larger bounds is crossed, at every level; levels may differ.
+fn crossed(ray: &Ray, content: Content, room: &BoxBounds) -> Vec<bool> {
     let (mut triangles, mut spheres) = (TriangleBlock::EMPTY, SphereBlock::EMPTY);
     for lane in 0..16 {
         match content {
@@ -49,19 +49,30 @@ fn crossed(ray: &Ray, content: Content, middle: Vec3) -> Vec<bool> {
     }
     let at_level = |level: SimdLevel| {
         dispatch!(level.level(), simd => {
-            let boxes = match content {
-                Content::Triangle(_) => triangle_boxes(simd, &triangles, middle),
-                Content::Sphere(_) => sphere_boxes(simd, &spheres, middle),
+            let bounds = match content {
+                Content::Triangle(_) => around_triangles(simd, &triangles),
+                Content::Sphere(_) => around_spheres(simd, &spheres),
             };
-            let (min, max) = boxes.around();
-            let space = BoxSpace { middle, half_size: min.abs().max(max.abs()) };
             let mut block = BoxBlock::ZERO;
-            block.set(LANE, min, max);
-            let ray = BoxRay::new(ray, &space, SLACK);
-            crosses(simd, &ray, &block.load(simd)).test(LANE)
+            block.set(LANE, &bounds);
+            // As a node of a tree has it.
+            let mut parent = block;
+            parent.set(0, &bounds);
+            parent.pad(1);
+            parent.set(LANE, &parent.around(simd));
+            let prepared = BoxRay::new(ray, &bounds.union(room), SLACK);
+            let is_crossed = |block: &BoxBlock| {
+                crosses(simd, ray.origin, &prepared, &block.load(simd)).test(LANE)
+            };
+            is_crossed(&block) && is_crossed(&parent)
         })
     };
     SimdLevel::available().into_iter().map(at_level).collect()
+}
+
+/// Bounds of something else, as they might lie around a box.
+fn room(a: Vec3, b: Vec3) -> BoxBounds {
+    BoxBounds::between(a.min(b), a.max(b))
 }
 
 /// A ray that reaches just as far as `t`.
@@ -104,7 +115,7 @@ proptest! {
         origin in vector(), away in prop_oneof![3 => Just(1.0_f32), 1 => Just(1e3), 1 => Just(1e-3)],
         weights in [0.0..1.0_f32, 0.0..1.0_f32], at_edge in any::<bool>(),
         (scale, length, offset) in (scale(), scale(), offset()),
-        middle in vector(), straight in any::<bool>(), noise in uneven_vector(),
+        others in [vector(), vector()], straight in any::<bool>(), noise in uneven_vector(),
     ) {
         let place = |v: Vec3| scale * (v * Vec3::new(1.0, 1.0, flat) + Vec3::splat(offset));
         let corners = corners.map(place);
@@ -116,9 +127,9 @@ proptest! {
         let ray = Ray { t_min: f32::NEG_INFINITY, ..Ray::new(origin, direction) };
         prop_assume!(ray.state() == crate::RayState::Active);
         if let Some(t) = hit_triangle(&ray, corners) {
-            let (content, middle) = (Content::Triangle(corners), place(middle));
+            let (content, room) = (Content::Triangle(corners), room(place(others[0]), place(others[1])));
             for ray in [ray, reaching(&ray, t), Ray { t_max: t, ..ray }, Ray { t_min: t, ..ray }] {
-                let crossed = crossed(&ray, content, middle);
+                let crossed = crossed(&ray, content, &room);
                 prop_assert!(crossed.iter().all(|&crossed| crossed), "{ray:?} {corners:?}");
             }
         }
@@ -129,7 +140,7 @@ proptest! {
     fn boxes_of_triangles_hit_along_an_axis_are_crossed(
         corners in prop::array::uniform3(vector()), direction in uneven_vector(),
         weights in [0.0..1.0_f32, 0.0..1.0_f32], back in -50.0..50.0_f32,
-        (scale, length, offset) in (scale(), scale(), offset()), middle in vector(),
+        (scale, length, offset) in (scale(), scale(), offset()), others in [vector(), vector()],
     ) {
         let place = |v: Vec3| scale * (v + Vec3::splat(offset));
         prop_assume!(direction != Vec3::ZERO);
@@ -140,7 +151,8 @@ proptest! {
         prop_assume!(ray.state() == crate::RayState::Active);
         let corners = corners.map(place);
         if let Some(t) = hit_triangle(&ray, corners) {
-            let crossed = crossed(&reaching(&ray, t), Content::Triangle(corners), place(middle));
+            let room = room(place(others[0]), place(others[1]));
+            let crossed = crossed(&reaching(&ray, t), Content::Triangle(corners), &room);
             prop_assert!(crossed.iter().all(|&crossed| crossed), "{ray:?} {corners:?} at {t}");
         }
     }
@@ -148,7 +160,7 @@ proptest! {
     #[test]
     fn boxes_of_hit_spheres_are_crossed(
         origin in vector(), center in vector(), radius in 1e-4..1.0_f32, beside in vector(),
-        (scale, length, offset) in (scale(), scale(), offset()), middle in vector(),
+        (scale, length, offset) in (scale(), scale(), offset()), others in [vector(), vector()],
     ) {
         let place = |v: Vec3| scale * (v + Vec3::splat(offset));
         let sphere = Sphere::new(place(center), scale * radius);
@@ -160,7 +172,8 @@ proptest! {
         // What the accepting test promises to measure.
         prop_assume!(sphere.radius > 1e-18 && (sphere.center - origin).length() < 1e17);
         if let Some(t) = hit_sphere(&ray, &sphere) {
-            let crossed = crossed(&reaching(&ray, t), Content::Sphere(sphere), place(middle));
+            let room = room(place(others[0]), place(others[1]));
+            let crossed = crossed(&reaching(&ray, t), Content::Sphere(sphere), &room);
             prop_assert!(crossed.iter().all(|&crossed| crossed), "{ray:?} {sphere:?} at {t}");
         }
     }
@@ -171,7 +184,7 @@ fn boxes_beside_behind_and_out_of_reach_are_not_crossed() {
     let down = Ray::new(Vec3::new(0.25, 0.25, 5.0), -2.0 * Vec3::Z);
     let unit = Content::Triangle([Vec3::ZERO, Vec3::X, Vec3::Y]);
     let is_crossed = |ray: Ray| {
-        let all = crossed(&ray, unit, Vec3::splat(3.0));
+        let all = crossed(&ray, unit, &room(Vec3::splat(3.0), Vec3::ONE));
         assert!(all.windows(2).all(|pair| pair[0] == pair[1]));
         all[0]
     };
@@ -191,11 +204,10 @@ fn what_is_out_of_range_is_crossed() {
     let unit = [Vec3::ZERO, Vec3::X, Vec3::Y];
     for (corners, origin) in [(huge, Vec3::Z), (unit, 3e38 * Vec3::ONE), (huge, -3e38 * Vec3::ONE)]
     {
-        for middle in [Vec3::ZERO, Vec3::splat(1e38), Vec3::splat(-3e38)] {
-            for direction in [Vec3::X, -1e-38 * Vec3::Y, 3e38 * Vec3::ONE] {
-                let all = crossed(&Ray::new(origin, direction), Content::Triangle(corners), middle);
-                assert!(all.iter().all(|&crossed| crossed));
-            }
+        for direction in [Vec3::X, -1e-38 * Vec3::Y, 3e38 * Vec3::ONE] {
+            let ray = Ray::new(origin, direction);
+            let all = crossed(&ray, Content::Triangle(corners), &BoxBounds::default());
+            assert!(all.iter().all(|&crossed| crossed));
         }
     }
 }
@@ -203,18 +215,23 @@ fn what_is_out_of_range_is_crossed() {
 #[test]
 fn a_ray_cut_short_crosses_what_lies_nearer() {
     let mut block = BoxBlock::ZERO;
-    block.set(0, Vec3::new(-1.0, -1.0, 4.0), Vec3::new(1.0, 1.0, 5.0));
+    let bounds = room(Vec3::new(-1.0, -1.0, 4.0), Vec3::new(1.0, 1.0, 5.0));
+    block.set(0, &bounds);
     block.pad(1);
-    let space = BoxSpace { middle: Vec3::ZERO, half_size: Vec3::splat(5.0) };
-    let mut ray = BoxRay::new(&Ray::new(Vec3::ZERO, 0.5 * Vec3::Z), &space, SLACK);
-    let count = |ray: &BoxRay| {
+    let ray = Ray::new(Vec3::ZERO, 0.5 * Vec3::Z);
+    let mut prepared = BoxRay::new(&ray, &bounds, SLACK);
+    let count = |prepared: &BoxRay| {
         dispatch!(SimdLevel::best().level(), simd => {
-            crosses(simd, ray, &block.load(simd)).to_bitmask().count_ones()
+            let crossed = crosses(simd, ray.origin, prepared, &block.load(simd));
+            crossed.to_bitmask().count_ones()
         })
     };
-    assert_eq!((count(&ray), ray.direction()), (16, Vec3::Z));
-    ray.set_t_max(8.5);
-    assert_eq!(count(&ray), 16);
-    ray.set_t_max(7.9);
-    assert_eq!(count(&ray), 0);
+    assert_eq!(count(&prepared), 16);
+    assert!(prepared.direction().abs_diff_eq(Vec3::Z, 1e-6));
+    let size = BoxRay::size(ray.direction);
+    prepared.set_t_max(8.5, size);
+    assert_eq!(count(&prepared), 16);
+    prepared.set_t_max(7.9, size);
+    assert_eq!(count(&prepared), 0);
+    assert_eq!(count(&BoxRay::EMPTY), 0);
 }

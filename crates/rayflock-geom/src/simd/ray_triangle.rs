@@ -290,30 +290,37 @@ fn intersect_sheared<S: Simd>(
     let positive = u_edge.simd_gt(zero) | v_edge.simd_gt(zero) | w_edge.simd_gt(zero);
     let negative = u_edge.simd_lt(zero) | v_edge.simd_lt(zero) | w_edge.simd_lt(zero);
     let inside = active & !(positive & negative);
+    if !inside.any_true() {
+        // Divisions cost as much as all the rest.
+        return LaneHits { accepted: inside, t: zero, u: zero, v: zero };
+    }
 
     // Interpolate the depth.
     let det = (u_edge + v_edge) + w_edge;
     let z = ((u_edge * a[2] + v_edge * b[2]) + w_edge * c[2]) / det;
     let t = z / dz;
-    let mut hits = LaneHits { accepted: inside, t, u: v_edge / det, v: w_edge / det };
 
     // Compute again in f64 what is on an edge, seen edge-on or out of range.
-    if inside.any_true() {
-        let size = [u_edge.abs(), v_edge.abs(), w_edge.abs()];
-        let smallest = size[0].min(size[1]).min(size[2]);
-        let largest = size[0].max(size[1]).max(size[2]);
-        let (x_extent, y_extent) = (extent(ax, bx, cx), extent(ay, by, cy));
-        let thinnest = f32x16::splat(simd, THINNEST) * (x_extent * x_extent + y_extent * y_extent);
-        let plain = smallest.simd_gt(zero)
-            & det.abs().simd_gt(thinnest)
-            & largest.simd_gt(f32x16::splat(simd, SMALLEST_EDGE))
-            & largest.simd_lt(f32x16::splat(simd, LARGEST_EDGE))
-            & is_finite(simd, t);
-        let rare = (inside & !plain).to_bitmask();
-        if rare != 0 {
-            let sheared = [[ax, ay, a[2]], [bx, by, b[2]], [cx, cy, c[2]]];
-            hits = intersect_rare(simd, rare, sheared, dz, hits);
-        }
+    let size = [u_edge.abs(), v_edge.abs(), w_edge.abs()];
+    let smallest = size[0].min(size[1]).min(size[2]);
+    let largest = size[0].max(size[1]).max(size[2]);
+    let (x_extent, y_extent) = (extent(ax, bx, cx), extent(ay, by, cy));
+    let thinnest = f32x16::splat(simd, THINNEST) * (x_extent * x_extent + y_extent * y_extent);
+    let plain = smallest.simd_gt(zero)
+        & det.abs().simd_gt(thinnest)
+        & largest.simd_gt(f32x16::splat(simd, SMALLEST_EDGE))
+        & largest.simd_lt(f32x16::splat(simd, LARGEST_EDGE))
+        & is_finite(simd, t);
+    let rare = (inside & !plain).to_bitmask();
+    let within = t.simd_ge(t_min) & t.simd_le(t_max) & is_finite(simd, t);
+    let accepted = inside & within;
+    if rare == 0 && !accepted.any_true() {
+        return LaneHits { accepted, t, u: zero, v: zero };
+    }
+    let mut hits = LaneHits { accepted: inside, t, u: v_edge / det, v: w_edge / det };
+    if rare != 0 {
+        let sheared = [[ax, ay, a[2]], [bx, by, b[2]], [cx, cy, c[2]]];
+        hits = intersect_rare(simd, rare, sheared, dz, hits);
     }
     let within = hits.t.simd_ge(t_min) & hits.t.simd_le(t_max) & is_finite(simd, hits.t);
     hits.accepted &= within;
