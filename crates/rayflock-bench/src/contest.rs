@@ -2,8 +2,9 @@
 //!
 //! A piece of work has phases, each with frames of slightly different time. For each phase
 //!
-//! 1. every engine gets the frame before the phase, so that what it keeps of it is as old as the
-//!    user's would be, then the last frame of the phase;
+//! 1. every engine learns from two frames what moves, the second of which is the frame before the
+//!    phase, so that what it keeps of it is as old as the user's would be; then it gets the last
+//!    frame of the phase;
 //! 2. every engine traces a part of the rays, then all, to warm up; one that is too slow is
 //!    skipped ([`Effort::frame_limit`]);
 //! 3. round by round each engine in turn commits and traces one frame, A B A B; rounds alternate

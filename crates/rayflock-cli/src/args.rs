@@ -5,6 +5,7 @@
 
 mod bench;
 mod engine;
+mod trace;
 
 use std::path::PathBuf;
 
@@ -21,6 +22,7 @@ pub(crate) use bench::{
     OutputArguments,
 };
 pub(crate) use engine::EngineChoice;
+pub(crate) use trace::TraceArguments;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -46,6 +48,7 @@ Examples:
   rayflock render fox.glb -o 'out/%03d.exr'                out/000.exr ..., linear, 32 bits
   rayflock render fox.glb -o out/ --resume                 goes on where it was stopped
   rayflock render builtin:museum7 --stats s.json --plot s.svg -o museum.mp4
+  rayflock render builtin:museum7 --frames 0..9 --trace t.json -o out/   what takes the time
 
 Exit codes: 0 done; 1 the output failed; 2 arguments or input are wrong; 130 stopped by Ctrl-C.";
 
@@ -69,7 +72,7 @@ pub(crate) enum Command {
     /// Tell what is in a scene, what moves how, and what is wrong with it.
     Info(InfoArguments),
     /// Measure engines side by side.
-    Bench(BenchArguments),
+    Bench(Box<BenchArguments>),
 }
 
 /// Options of `demo`.
@@ -202,9 +205,18 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "FILE.json")]
     pub(crate) stats: Option<PathBuf>,
 
+    /// Tell which engine answered each batch of rays, how long it took, and what it and the others
+    /// were expected to take; needs the engine auto.
+    #[arg(long)]
+    pub(crate) explain: bool,
+
     /// Draw update and render time of each frame to a .svg or .html file.
     #[arg(long, value_name = "FILE")]
     pub(crate) plot: Option<PathBuf>,
+
+    /// Where the profile goes.
+    #[command(flatten)]
+    pub(crate) trace: TraceArguments,
 }
 
 /// Bits a channel of PNG pictures.

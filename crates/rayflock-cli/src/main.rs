@@ -15,6 +15,7 @@ mod journal;
 mod output;
 mod plan;
 mod plot;
+mod profile;
 mod progress;
 mod session;
 mod size;

@@ -7,6 +7,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
+use rayflock::engine::EngineKind;
 use rayflock::render::{RenderSettings, View};
 use rayflock::scene::{Evaluator, Scene, SceneFrame, frame_bounds};
 use rayflock_bench::EngineSpec;
@@ -45,6 +46,8 @@ pub(crate) struct RenderPlan {
     pub(crate) target: Target,
     /// Whether to take over finished frames.
     pub(crate) resume: bool,
+    /// Whether to tell which engines answered, and why.
+    pub(crate) explain: bool,
     /// Where the statistics go.
     pub(crate) stats: Option<PathBuf>,
     /// Where the graph goes.
@@ -87,6 +90,7 @@ impl RenderPlan {
         let target = Target::from_path(&args.output, args.bits).blame_input()?;
         let plot = args.plot.as_deref().map(PlotFile::new).transpose().blame_input()?;
         check_edges(&target, args.size).blame_input()?;
+        check_explained(args).blame_input()?;
 
         let input = Input::open(&args.input).blame_input()?;
         let clip = args.clip.as_deref();
@@ -111,6 +115,7 @@ impl RenderPlan {
             engine: args.engine.engine,
             target,
             resume: args.resume,
+            explain: args.explain,
             stats: args.stats.clone(),
             plot,
             input,
@@ -168,6 +173,16 @@ fn check_edges(target: &Target, size: Size) -> Result<()> {
         let path = path.display();
         ensure!(longest <= limit, "{path}: the size is {size}; the format ends at {limit} pixels");
     }
+    Ok(())
+}
+
+fn check_explained(args: &RenderArguments) -> Result<()> {
+    let engine = args.engine.engine;
+    let chooses = engine == EngineKind::Auto.into();
+    ensure!(
+        chooses || !args.explain,
+        "--explain tells what the engine auto chose, but --engine is {engine}"
+    );
     Ok(())
 }
 

@@ -6,6 +6,7 @@ use anyhow::Context;
 use rayflock::engine::{CommitStats, RayEngine};
 use rayflock::render::{Film, FrameRenderer, FrameStats, WhittedRenderer};
 use rayflock::scene::Evaluator;
+use tracing::debug_span;
 
 use crate::allocations::COUNTER;
 use crate::failure::{Blame, Failure};
@@ -61,6 +62,11 @@ impl Session {
                 ignored_before = true;
                 progress.say(format_args!("warning: {}", ignored_text(&self.plan, &record)));
             }
+            if self.plan.explain {
+                for choice in self.renderer.choices() {
+                    progress.say(format_args!("frame {frame}: {choice}"));
+                }
+            }
             let (path, format) = (names.path(frame), self.plan.target.frame_format());
             picture::write(&path, format, &self.film, self.plan.look).blame_output()?;
             journal.add(record).blame_output()?;
@@ -72,6 +78,7 @@ impl Session {
 
     /// Renders one frame to the film.
     fn render_frame(&mut self, frame: u32) -> Result<FrameRecord, Failure> {
+        let _span = debug_span!("frame", frame).entered();
         let context = || format!("{}: frame {frame}", self.plan.input.name);
         let time = self.plan.time(frame);
         let start = Instant::now();

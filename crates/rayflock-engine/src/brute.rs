@@ -20,11 +20,12 @@ mod cross;
 use rayflock_geom::simd::dispatch;
 use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch};
 use rayon::prelude::*;
+use tracing::debug_span;
 
 pub use config::Config;
 
 use self::cross::{CHUNK, cross_chunk};
-use crate::answer::offer_hits;
+use crate::answer::{offer_hits, tell_occluded};
 use crate::packet::{Nearest, Question};
 use crate::primitives::PrimitiveTable;
 use crate::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
@@ -40,7 +41,7 @@ pub struct BruteEngine {
 impl BruteEngine {
     /// An engine with an empty frame.
     pub fn new(config: Config) -> Self {
-        Self { config, ..Self::default() }
+        Self { config, table: PrimitiveTable::new(config.simd), ..Self::default() }
     }
 
     /// Fills `nearest` for the whole batch; `t_bound` tells beyond which hits are of no interest.
@@ -50,7 +51,8 @@ impl BruteEngine {
         question: Question,
         t_bound: impl Fn(usize) -> f32 + Sync,
     ) -> TraceStats {
-        self.nearest.clear();
+        let _span = debug_span!("cross").entered();
+        // Tasks write what they begin with.
         self.nearest.resize(rays.len(), Nearest::NONE);
         let (level, table) = (self.config.simd.level(), &self.table);
         let chunks = self.nearest.par_chunks_mut(CHUNK).enumerate();
@@ -81,16 +83,14 @@ impl RayEngine for BruteEngine {
         assert!(hits.has_len(rays.len()), "every column must have one entry for each ray");
         let bounds: &[f32] = hits.t;
         let stats = self.trace(rays, Question::Closest, |ray_idx| bounds[ray_idx]);
-        offer_hits(&self.table, self.nearest.iter().copied().enumerate(), hits);
+        offer_hits(&self.table, |ray_idx| self.nearest[ray_idx], hits);
         stats
     }
 
     fn occluded(&mut self, rays: &RayBatch<'_>, occluded: &mut [bool]) -> TraceStats {
         assert_eq!(occluded.len(), rays.len(), "there must be one answer for each ray");
         let stats = self.trace(rays, Question::Occluded, |_| f32::INFINITY);
-        for (occluded, nearest) in occluded.iter_mut().zip(&self.nearest) {
-            *occluded = !nearest.is_none();
-        }
+        tell_occluded(|ray_idx| !self.nearest[ray_idx].is_none(), occluded);
         stats
     }
 

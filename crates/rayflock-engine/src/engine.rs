@@ -7,6 +7,8 @@ use std::str::FromStr;
 use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch};
 use thiserror::Error;
 
+use crate::auto::Choice;
+
 /// Traces batches of rays against one frame of geometry at a time.
 ///
 /// All engines give the same answer to the bit: the nearest hit by the accepting tests of
@@ -46,12 +48,20 @@ pub trait RayEngine: Debug + Send {
 
     /// Bytes held by the engine itself, without the shared meshes.
     fn memory_usage(&self) -> usize;
+
+    /// Which engine was asked about each batch since the last commit, and why: for engines that
+    /// choose among others, empty otherwise.
+    fn choices(&self) -> &[Choice] {
+        &[]
+    }
 }
 
 /// The engines, by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum EngineKind {
+    /// Whichever of the others is expected to answer soonest.
+    Auto,
     /// All rays against all primitives.
     Brute,
     /// A hierarchy over the rays, none over the geometry.
@@ -62,11 +72,12 @@ pub enum EngineKind {
 
 impl EngineKind {
     /// Every engine of this crate.
-    pub const ALL: [Self; 3] = [Self::Brute, Self::Hierarchy, Self::Bvh];
+    pub const ALL: [Self; 4] = [Self::Auto, Self::Brute, Self::Hierarchy, Self::Bvh];
 
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Auto => "auto",
             Self::Brute => "brute",
             Self::Hierarchy => "hierarchy",
             Self::Bvh => "bvh",

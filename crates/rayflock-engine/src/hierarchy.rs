@@ -56,7 +56,7 @@ pub use config::Config;
 use self::arrange::Arrangement;
 use self::ray_tree::RayTree;
 use self::refine::Scratch;
-use crate::answer::offer_hits;
+use crate::answer::{offer_hits, tell_occluded};
 use crate::packet::{Nearest, Question};
 use crate::primitives::PrimitiveTable;
 use crate::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
@@ -77,7 +77,7 @@ pub struct HierarchyEngine {
 impl HierarchyEngine {
     /// An engine with an empty frame.
     pub fn new(config: Config) -> Self {
-        Self { config, ..Self::default() }
+        Self { config, table: PrimitiveTable::new(config.simd), ..Self::default() }
     }
 
     /// Fills `nearest` for the whole batch; `t_bound` tells beyond which hits are of no interest.
@@ -87,9 +87,10 @@ impl HierarchyEngine {
         question: Question,
         t_bound: &(impl Fn(usize) -> f32 + Sync),
     ) -> TraceStats {
+        self.table.write_bounds();
         self.arrangement.assign(rays);
         let mut stats = self.tree.build(rays, &self.arrangement, t_bound);
-        self.nearest.clear();
+        // Tasks write what they begin with.
         self.nearest.resize(self.arrangement.ray_idx.len(), Nearest::NONE);
         let pass = refine::Pass {
             simd: self.config.simd,
@@ -105,12 +106,9 @@ impl HierarchyEngine {
         stats
     }
 
-    /// Position in the batch and nearest hit of each ray.
-    fn found(&self) -> impl Iterator<Item = (usize, Nearest)> + '_ {
-        let places = self.arrangement.ray_idx.iter().zip(&self.nearest);
-        places
-            .filter(|&(&ray_idx, _)| ray_idx != arrange::NO_RAY)
-            .map(|(&ray_idx, &nearest)| (ray_idx as usize, nearest))
+    /// The nearest hit of a ray, by its position in the batch.
+    fn found(&self, ray_idx: usize) -> &Nearest {
+        &self.nearest[self.arrangement.place(ray_idx)]
     }
 }
 
@@ -131,17 +129,14 @@ impl RayEngine for HierarchyEngine {
         assert!(hits.has_len(rays.len()), "every column must have one entry for each ray");
         let bounds: &[f32] = hits.t;
         let stats = self.trace(rays, Question::Closest, &|ray_idx| bounds[ray_idx]);
-        offer_hits(&self.table, self.found(), hits);
+        offer_hits(&self.table, |ray_idx| *self.found(ray_idx), hits);
         stats
     }
 
     fn occluded(&mut self, rays: &RayBatch<'_>, occluded: &mut [bool]) -> TraceStats {
         assert_eq!(occluded.len(), rays.len(), "there must be one answer for each ray");
         let stats = self.trace(rays, Question::Occluded, &|_| f32::INFINITY);
-        occluded.fill(false);
-        for (ray_idx, nearest) in self.found() {
-            occluded[ray_idx] = !nearest.is_none();
-        }
+        tell_occluded(|ray_idx| !self.found(ray_idx).is_none(), occluded);
         stats
     }
 

@@ -6,6 +6,7 @@
 //! | [`brute`] | all rays against all primitives | you want the definition of the answer, or have a few hundred primitives |
 //! | [`hierarchy`] | a tree over the rays, nothing over the geometry | everything moves and neighbouring rays go similar ways |
 //! | [`bvh`] | a tree over the geometry, built anew each frame, and streams of rays | rays share nothing: diffuse light, mirrors that are curved |
+//! | [`auto`] | asks whichever of the others is expected to answer soonest | you have no reason to choose |
 //!
 //! Read them in this order: [`RayEngine`] (the question), [`brute`] (the definition of the
 //! answer), [`hierarchy`] (the idea) and its stages in the order of their list.
@@ -33,6 +34,7 @@
 #![forbid(unsafe_code)]
 
 mod answer;
+pub mod auto;
 pub mod brute;
 pub mod bvh;
 mod engine;
@@ -45,6 +47,7 @@ pub use engine::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
 /// Makes an engine with its default settings and an empty frame.
 pub fn create(kind: EngineKind) -> Box<dyn RayEngine> {
     match kind {
+        EngineKind::Auto => Box::new(auto::AutoEngine::default()),
         EngineKind::Brute => Box::new(brute::BruteEngine::default()),
         EngineKind::Hierarchy => Box::new(hierarchy::HierarchyEngine::default()),
         EngineKind::Bvh => Box::new(bvh::BvhEngine::default()),

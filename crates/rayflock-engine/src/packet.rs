@@ -4,6 +4,7 @@
 //! Both questions, `closest_hit` and `occluded`, run through [`TracePacket::test`]; the latter
 //! retires rays as soon as anything is hit.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use rayflock_geom::simd::ray_sphere::{SphereRays, intersect_sphere};
 use rayflock_geom::simd::ray_triangle::{LaneHits, RayPacket, ShearedRay, intersect_packet};
@@ -16,7 +17,8 @@ use crate::TraceStats;
 use crate::primitives::{PrimitiveTable, SPHERE_BYTES, SlotKind, TRIANGLE_BYTES};
 
 /// The nearest hit of one ray so far.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub(crate) struct Nearest {
     pub(crate) t: f32,
     pub(crate) u: f32,

@@ -3,14 +3,22 @@
 use bytemuck::Pod;
 use glam::Vec3;
 
+use crate::simd::LANES;
+
 /// A value that a [`Column`] can hold, stored as consecutive scalars.
 pub trait ColumnElement: Copy {
     /// The scalar the column is made of.
     type Scalar: Pod;
     /// How many scalars one value takes.
     const WIDTH: usize;
+    /// One value a lane, as columns of scalars.
+    type Lanes: Copy;
     /// Reads a value from its `WIDTH` scalars.
     fn load(scalars: &[Self::Scalar]) -> Self;
+    /// The value in every lane.
+    fn splat(self) -> Self::Lanes;
+    /// Writes one lane.
+    fn set_lane(self, lanes: &mut Self::Lanes, lane: usize);
 }
 
 impl ColumnElement for f32 {
@@ -19,6 +27,15 @@ impl ColumnElement for f32 {
     #[inline(always)]
     fn load(scalars: &[f32]) -> Self {
         scalars[0]
+    }
+    type Lanes = [f32; LANES];
+    #[inline(always)]
+    fn splat(self) -> [f32; LANES] {
+        [self; LANES]
+    }
+    #[inline(always)]
+    fn set_lane(self, lanes: &mut [f32; LANES], lane: usize) {
+        lanes[lane] = self;
     }
 }
 
@@ -29,6 +46,15 @@ impl ColumnElement for u32 {
     fn load(scalars: &[u32]) -> Self {
         scalars[0]
     }
+    type Lanes = [u32; LANES];
+    #[inline(always)]
+    fn splat(self) -> [u32; LANES] {
+        [self; LANES]
+    }
+    #[inline(always)]
+    fn set_lane(self, lanes: &mut [u32; LANES], lane: usize) {
+        lanes[lane] = self;
+    }
 }
 
 impl ColumnElement for Vec3 {
@@ -37,6 +63,15 @@ impl ColumnElement for Vec3 {
     #[inline(always)]
     fn load(scalars: &[f32]) -> Self {
         Self::new(scalars[0], scalars[1], scalars[2])
+    }
+    type Lanes = [[f32; LANES]; 3];
+    #[inline(always)]
+    fn splat(self) -> [[f32; LANES]; 3] {
+        [[self.x; LANES], [self.y; LANES], [self.z; LANES]]
+    }
+    #[inline(always)]
+    fn set_lane(self, [x, y, z]: &mut [[f32; LANES]; 3], lane: usize) {
+        (x[lane], y[lane], z[lane]) = (self.x, self.y, self.z);
     }
 }
 
@@ -113,6 +148,25 @@ impl<'a, T: ColumnElement> Column<'a, T> {
         }
     }
 
+    /// The values of sixteen rays from `first_ray` on, a lane a ray; the value of the last ray
+    /// again where there are no more.
+    ///
+    /// # Panics
+    /// When a per-ray column has no ray `first_ray`.
+    #[inline(always)]
+    pub fn lanes(&self, first_ray: usize) -> T::Lanes {
+        match self {
+            Self::Uniform(value) => value.splat(),
+            // A stride that is known spares the compiler most bounds checks.
+            Self::PerRay { values, stride } if *stride == T::WIDTH => {
+                load_lanes::<T>(&values[first_ray * T::WIDTH..], T::WIDTH)
+            }
+            Self::PerRay { values, stride } => {
+                load_lanes::<T>(&values[first_ray * stride..], *stride)
+            }
+        }
+    }
+
     /// The rays from `start`, as a column that counts from 0.
     pub(crate) fn skip(&self, start: usize) -> Self {
         match self {
@@ -123,6 +177,24 @@ impl<'a, T: ColumnElement> Column<'a, T> {
             },
         }
     }
+}
+
+/// The first sixteen values.
+#[inline(always)]
+fn load_lanes<T: ColumnElement>(values: &[T::Scalar], stride: usize) -> T::Lanes {
+    let mut lanes = T::load(&values[..T::WIDTH]).splat();
+    if let Some(whole) = values.get(..(LANES - 1) * stride + T::WIDTH) {
+        for lane in 0..LANES {
+            T::load(&whole[lane * stride..lane * stride + T::WIDTH]).set_lane(&mut lanes, lane);
+        }
+        return lanes;
+    }
+    let last = (values.len() - T::WIDTH) / stride;
+    for lane in 0..LANES {
+        let start = lane.min(last) * stride;
+        T::load(&values[start..start + T::WIDTH]).set_lane(&mut lanes, lane);
+    }
+    lanes
 }
 
 impl<T: ColumnElement> From<T> for Column<'_, T> {
@@ -174,6 +246,29 @@ mod tests {
         assert_eq!(origins.get(1), Vec3::new(6.0, 7.0, 8.0));
         assert_eq!(directions.get(1), Vec3::new(9.0, 10.0, 11.0));
         assert_eq!(directions.skip(1).get(0), Vec3::new(9.0, 10.0, 11.0));
+    }
+
+    #[test]
+    fn lanes_hold_sixteen_rays_or_the_last_one_again() {
+        let scalars: Vec<f32> = (0..240_u8).map(f32::from).collect();
+        for stride in [3, 4, 6] {
+            for len in [1, 15, 16, 17, 40] {
+                let column = Column::<Vec3>::strided(&scalars[..(len - 1) * stride + 3], stride);
+                for first_ray in [0, len / 2, len - 1] {
+                    let lanes = column.lanes(first_ray);
+                    for lane in 0..LANES {
+                        let expected = column.get((first_ray + lane).min(len - 1)).to_array();
+                        assert_eq!(lanes.map(|axis| axis[lane]), expected, "{stride}, {len}");
+                    }
+                }
+            }
+        }
+        let masks: Vec<u32> = (0..20).collect();
+        let column = Column::from(&masks);
+        assert!(column.lanes(2).into_iter().eq(2..18));
+        assert_eq!(column.lanes(10)[9..], [19; 7]);
+        assert_eq!(Column::from(2.5_f32).lanes(7), [2.5; LANES]);
+        assert_eq!(Column::from(Vec3::Y).lanes(7)[1], [1.0; LANES]);
     }
 
     #[test]

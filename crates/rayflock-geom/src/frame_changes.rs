@@ -88,9 +88,10 @@ impl FrameChanges {
 }
 
 fn change_between(before: &GeometryObject, now: &GeometryObject) -> ObjectChange {
-    if Arc::ptr_eq(&before.shape, &now.shape) {
-        let same = before.world_from_object == now.world_from_object && before.mask == now.mask;
-        if same { ObjectChange::Unchanged } else { ObjectChange::Transformed }
+    if now.is_same(before) {
+        ObjectChange::Unchanged
+    } else if Arc::ptr_eq(&before.shape, &now.shape) {
+        ObjectChange::Transformed
     } else if now.shape.has_topology_of(&before.shape) {
         ObjectChange::Deformed
     } else {

@@ -39,6 +39,14 @@ impl GeometryObject {
         self
     }
 
+    /// Whether nothing differs from `other`: the shared mesh, the place, the mask. Meshes are
+    /// compared by identity.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.shape, &other.shape)
+            && self.mask == other.mask
+            && self.world_from_object == other.world_from_object
+    }
+
     /// The box around the object, in world space.
     pub fn bounds(&self) -> Aabb {
         let bounds = self.shape.bounds();
@@ -46,10 +54,10 @@ impl GeometryObject {
     }
 }
 
-/// All objects of one frame, sorted by id. Cloning shares the meshes.
+/// All objects of one frame, sorted by id. Cloning shares them, and allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
-    objects: Vec<GeometryObject>,
+    objects: Arc<Vec<GeometryObject>>,
 }
 
 /// Why objects do not make a geometry.
@@ -116,7 +124,7 @@ impl Geometry {
                 return Err(GeometryError::SphereTransform(object.id.0));
             }
         }
-        let geometry = Self { objects };
+        let geometry = Self { objects: Arc::new(objects) };
         match geometry.prim_count() {
             count if count >= NO_ID as usize => Err(GeometryError::TooManyPrimitives(count)),
             _ => Ok(geometry),
@@ -138,7 +146,8 @@ impl Geometry {
 
     /// The objects that `keep` accepts, with their ids.
     pub fn subset(&self, keep: impl Fn(&GeometryObject) -> bool) -> Self {
-        Self { objects: self.objects.iter().filter(|object| keep(object)).cloned().collect() }
+        let kept = self.objects.iter().filter(|object| keep(object)).cloned();
+        Self { objects: Arc::new(kept.collect()) }
     }
 
     /// Number of primitives in all objects.

@@ -91,15 +91,52 @@ impl<'a> Hits<'a> {
         }
     }
 
+    /// The same columns, for as long as they are lent.
+    pub fn reborrow(&mut self) -> Hits<'_> {
+        Hits {
+            t: self.t,
+            uv: self.uv.as_deref_mut(),
+            object_id: self.object_id.as_deref_mut(),
+            prim_id: self.prim_id.as_deref_mut(),
+        }
+    }
+
+    /// The first `middle` rays and the others, to be written by different threads.
+    ///
+    /// # Panics
+    /// When a column has fewer than `middle` rays.
+    pub fn split_at(self, middle: usize) -> (Self, Self) {
+        let (t_left, t_right) = self.t.split_at_mut(middle);
+        let (uv_left, uv_right) = split_column(self.uv, middle);
+        let (object_left, object_right) = split_column(self.object_id, middle);
+        let (prim_left, prim_right) = split_column(self.prim_id, middle);
+        (
+            Self { t: t_left, uv: uv_left, object_id: object_left, prim_id: prim_left },
+            Self { t: t_right, uv: uv_right, object_id: object_right, prim_id: prim_right },
+        )
+    }
+
     /// Writes `hit` for ray `ray_idx` if it is nearer than what is there. Where the id columns
     /// that would decide are absent, an equal `t` changes nothing.
+    #[inline]
     pub fn offer(&mut self, ray_idx: usize, hit: &Hit) {
+        // Most often the distance decides, and the other columns are not read.
+        let is_nearer = hit.t < self.t[ray_idx];
+        if is_nearer || (hit.t == self.t[ray_idx] && self.wins_tie(ray_idx, hit)) {
+            self.write(ray_idx, hit);
+        }
+    }
+
+    /// Whether the ids decide for `hit`, which is as near as what is there.
+    fn wins_tie(&self, ray_idx: usize, hit: &Hit) -> bool {
         let here = self.get(ray_idx);
         let same_object = self.prim_id.is_none() && hit.object_id == here.object_id;
-        let tie_is_unknown = hit.t == here.t && (self.object_id.is_none() || same_object);
-        if tie_is_unknown || !hit.is_nearer_than(&here) {
-            return;
-        }
+        let is_unknown = self.object_id.is_none() || same_object;
+        !is_unknown && hit.is_nearer_than(&here)
+    }
+
+    #[inline]
+    fn write(&mut self, ray_idx: usize, hit: &Hit) {
         self.t[ray_idx] = hit.t;
         if let Some(uv) = &mut self.uv {
             uv[ray_idx] = [hit.u, hit.v];
@@ -111,6 +148,13 @@ impl<'a> Hits<'a> {
             prim_id[ray_idx] = hit.prim_id.0;
         }
     }
+}
+
+fn split_column<T>(
+    column: Option<&mut [T]>,
+    middle: usize,
+) -> (Option<&mut [T]>, Option<&mut [T]>) {
+    column.map(|column| column.split_at_mut(middle)).unzip()
 }
 
 /// Owned hit columns, reused from batch to batch.
@@ -136,14 +180,10 @@ impl HitBuffer {
 
     /// Makes this a buffer of `len` misses, keeping its memory.
     pub fn reset(&mut self, len: usize) {
-        self.t.clear();
-        self.t.resize(len, f32::INFINITY);
-        self.uv.clear();
-        self.uv.resize(len, [0.0; 2]);
-        self.object_id.clear();
-        self.object_id.resize(len, NO_ID);
-        self.prim_id.clear();
-        self.prim_id.resize(len, NO_ID);
+        reset_column(&mut self.t, len, f32::INFINITY);
+        reset_column(&mut self.uv, len, [0.0; 2]);
+        reset_column(&mut self.object_id, len, NO_ID);
+        reset_column(&mut self.prim_id, len, NO_ID);
     }
 
     /// Number of rays.
@@ -179,6 +219,11 @@ impl HitBuffer {
     }
 }
 
+fn reset_column<T: Copy>(column: &mut Vec<T>, len: usize, value: T) {
+    column.clear();
+    column.resize(len, value);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -200,6 +245,19 @@ mod tests {
             buffer.as_hits().offer(0, &offered);
             assert_eq!(buffer.get(0), expected);
         }
+    }
+
+    #[test]
+    fn halves_are_written_apart() {
+        let mut buffer = HitBuffer::new(5);
+        let (mut left, mut right) = buffer.as_hits().split_at(2);
+        assert_eq!((left.len(), right.len()), (2, 3));
+        left.offer(1, &hit(1.0, 2, 3));
+        right.reborrow().offer(2, &hit(4.0, 5, 6));
+        assert_eq!((buffer.get(1), buffer.get(4)), (hit(1.0, 2, 3), hit(4.0, 5, 6)));
+        assert!([0, 2, 3].iter().all(|&idx| buffer.get(idx).is_miss()));
+        let (left, right) = Hits::distances(&mut buffer.t).split_at(5);
+        assert!(left.uv.is_none() && right.object_id.is_none() && right.is_empty());
     }
 
     #[test]

@@ -14,6 +14,8 @@ use crate::{Aabb, GeometryError, PrimId, Sphere, UserPrimitives};
 pub struct Mesh {
     vertices: Vec<Vec3>,
     triangles: Arc<[[u32; 3]]>,
+    /// Whether triangle i has the vertices 3 i, 3 i + 1 and 3 i + 2.
+    is_soup: bool,
     spheres: Vec<Sphere>,
     user: Option<Arc<dyn UserPrimitives>>,
 }
@@ -39,7 +41,9 @@ impl Mesh {
         triangles: impl Into<Arc<[[u32; 3]]>>,
     ) -> Result<Self, GeometryError> {
         let triangles = triangles.into();
+        let mut is_soup = true;
         for (triangle_idx, corners) in triangles.iter().enumerate() {
+            is_soup &= (0..3).all(|corner| corners[corner] as usize == 3 * triangle_idx + corner);
             for &vertex_idx in corners {
                 if vertex_idx as usize >= vertices.len() {
                     let vertex_count = vertices.len();
@@ -51,7 +55,7 @@ impl Mesh {
                 }
             }
         }
-        Ok(Self { vertices, triangles, ..Self::default() })
+        Ok(Self { vertices, triangles, is_soup, ..Self::default() })
     }
 
     /// A mesh of spheres only.
@@ -86,7 +90,8 @@ impl Mesh {
             return Err(GeometryError::VertexCount { found, expected });
         }
         let (spheres, user) = (self.spheres.clone(), self.user.clone());
-        Ok(Self { vertices, triangles: Arc::clone(&self.triangles), spheres, user })
+        let triangles = Arc::clone(&self.triangles);
+        Ok(Self { vertices, triangles, is_soup: self.is_soup, spheres, user })
     }
 
     /// Vertex positions.
@@ -103,6 +108,13 @@ impl Mesh {
     /// Vertex indices of each triangle.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
+    }
+
+    /// The corners of all triangles in order, nine coordinates a triangle, if that is how the
+    /// vertices lie: triangle i is `[3 * i, 3 * i + 1, 3 * i + 2]`.
+    pub fn soup(&self) -> Option<&[[f32; 9]]> {
+        let coordinates: &[f32] = bytemuck::cast_slice(&self.vertices);
+        self.is_soup.then(|| &coordinates.as_chunks().0[..self.triangles.len()])
     }
 
     /// Spheres.
@@ -191,6 +203,19 @@ mod tests {
         Arc::make_mut(&mut moved).vertices_mut()[1] = Vec3::X;
         assert_eq!((mesh.vertices()[1], moved.vertices()[1]), (Vec3::ZERO, Vec3::X));
         assert!(moved.has_topology_of(&mesh));
+    }
+
+    #[test]
+    fn a_soup_is_told_by_its_triangles() {
+        let vertices: Vec<_> = (0..7_u8).map(|i| Vec3::splat(f32::from(i))).collect();
+        let mesh = |triangles: &[[u32; 3]]| Mesh::from_triangles(vertices.clone(), triangles);
+        let soup = mesh(&[[0, 1, 2], [3, 4, 5]]).unwrap();
+        let rows = soup.soup().unwrap();
+        assert_eq!((rows.len(), rows[1]), (2, [3.0, 3.0, 3.0, 4.0, 4.0, 4.0, 5.0, 5.0, 5.0]));
+        let moved = soup.with_vertices(vec![Vec3::ONE; 7]).unwrap();
+        assert_eq!(moved.soup().unwrap()[1], [1.0; 9]);
+        assert!(mesh(&[[0, 1, 2], [3, 5, 4]]).unwrap().soup().is_none());
+        assert!(mesh(&[]).unwrap().soup().unwrap().is_empty());
     }
 
     #[test]

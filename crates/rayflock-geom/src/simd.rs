@@ -16,7 +16,10 @@ pub mod ray_boxes;
 pub mod ray_sphere;
 pub mod ray_triangle;
 pub mod space_curve;
+pub mod sphere_blocks;
 pub mod triangle_boxes;
+pub mod triangle_lanes;
+pub mod triangle_rows;
 
 use std::fmt;
 

@@ -8,8 +8,11 @@ use crate::Aabb;
 /// Unit roundoff of `f32` arithmetic, `2^-24`.
 const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
 
+/// Enlarges a computed radius for the rounding of distances.
+pub(crate) const RADIUS_FACTOR: f32 = 1.0 + 8.0 * UNIT_ROUNDOFF;
+
 /// More than the length that a squared `f32` length can lose to underflow.
-const UNDERFLOW: f32 = 1e-22;
+pub(crate) const UNDERFLOW: f32 = 1e-22;
 
 /// A sphere. As a bound it holds all points within `radius` of `center`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -48,7 +51,7 @@ impl Sphere {
     /// A computed radius enlarged for the rounding of distances and for underflow.
     #[inline(always)]
     pub(crate) fn enlarge(radius: f32) -> f32 {
-        radius * (1.0 + 8.0 * UNIT_ROUNDOFF) + UNDERFLOW
+        radius * RADIUS_FACTOR + UNDERFLOW
     }
 
     /// A sphere around spheres, about the centre of the box around their centres. `None` without

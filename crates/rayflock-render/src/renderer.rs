@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 use rayflock_engine::CommitStats;
+use rayflock_engine::auto::Choice;
 use rayflock_scene::{Scene, SceneFrame};
 
 use crate::{Film, FrameStats, RenderError, RenderSettings, View};
@@ -26,4 +27,10 @@ pub trait FrameRenderer: Debug + Send {
 
     /// Bytes held besides the scene itself.
     fn memory_usage(&self) -> usize;
+
+    /// Which engine was asked about each batch of rays of the last picture, and why; empty where
+    /// nothing was chosen.
+    fn choices(&self) -> &[Choice] {
+        &[]
+    }
 }

@@ -1,5 +1,7 @@
 //! Rays of one bounce, and the columns that stages hand to each other.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use rayflock_geom::{Column, RayBatch, RayOrder};
 
@@ -105,37 +107,66 @@ pub(crate) struct Contribution {
     pub(crate) radiance: Vec3,
 }
 
-/// Shadow rays toward one light, with what arrives if nothing is in the way.
+/// Shadow rays toward one light.
 #[derive(Debug, Default)]
 pub(crate) struct ShadowWave {
     /// Origins; empty where the light is the origin.
     pub(crate) origins: Vec<Vec3>,
     /// Directions; empty where the light has one.
     pub(crate) directions: Vec<Vec3>,
-    /// One a ray.
-    pub(crate) contributions: Vec<Contribution>,
 }
 
 impl ShadowWave {
+    /// Number of rays.
+    pub(crate) fn len(&self) -> usize {
+        self.origins.len().max(self.directions.len())
+    }
+
     /// Makes this a wave without rays, keeping its memory.
     pub(crate) fn clear(&mut self) {
         self.origins.clear();
         self.directions.clear();
-        self.contributions.clear();
     }
 
-    /// Adds the rays of another wave toward the same light.
-    pub(crate) fn extend(&mut self, other: &Self) {
-        self.origins.extend_from_slice(&other.origins);
-        self.directions.extend_from_slice(&other.directions);
-        self.contributions.extend_from_slice(&other.contributions);
+    /// Makes this the rays of all `runs`, in their order.
+    pub(crate) fn join(&mut self, runs: &[ShadedRun]) {
+        join_columns(runs, |run| &run.shadow.origins, &mut self.origins);
+        join_columns(runs, |run| &run.shadow.directions, &mut self.directions);
     }
 
     /// Bytes held.
     pub(crate) fn memory_usage(&self) -> usize {
-        self.origins.capacity() * size_of::<Vec3>()
-            + self.directions.capacity() * size_of::<Vec3>()
-            + self.contributions.capacity() * size_of::<Contribution>()
+        (self.origins.capacity() + self.directions.capacity()) * size_of::<Vec3>()
+    }
+}
+
+/// Makes `joined` one column of all runs, in parallel.
+fn join_columns(
+    runs: &[ShadedRun],
+    column: impl Fn(&ShadedRun) -> &[Vec3] + Sync,
+    joined: &mut Vec<Vec3>,
+) {
+    joined.resize(runs.iter().map(|run| column(run).len()).sum(), Vec3::ZERO);
+    copy_columns(runs, &column, joined);
+}
+
+fn copy_columns(
+    runs: &[ShadedRun],
+    column: &(impl Fn(&ShadedRun) -> &[Vec3] + Sync),
+    joined: &mut [Vec3],
+) {
+    match runs {
+        [] => {}
+        [run] => joined.copy_from_slice(column(run)),
+        _ => {
+            let (left, right) = runs.split_at(runs.len() / 2);
+            let middle = left.iter().map(|run| column(run).len()).sum();
+            let (to_left, to_right) = joined.split_at_mut(middle);
+            rayon::join(
+                || copy_columns(left, column, to_left),
+                || copy_columns(right, column, to_right),
+            );
+        }
     }
 }
 
@@ -173,10 +204,14 @@ pub(crate) struct ShadedRun {
     pub(crate) refraction: Wave,
     /// Shadow rays toward the light at hand.
     pub(crate) shadow: ShadowWave,
+    /// What arrives if nothing is in the way, one a shadow ray.
+    pub(crate) lit: Vec<Contribution>,
+    /// All pixels of the run's rays lie here.
+    pub(crate) pixels: Range<usize>,
 }
 
 impl ShadedRun {
-    /// Empties all but the shadow rays.
+    /// Empties all but shadow rays and what they bring.
     pub(crate) fn clear(&mut self, bounce: u32) {
         self.unshadowed.clear();
         self.points.clear();
@@ -191,5 +226,6 @@ impl ShadedRun {
             + self.mirror.memory_usage()
             + self.refraction.memory_usage()
             + self.shadow.memory_usage()
+            + self.lit.capacity() * size_of::<Contribution>()
     }
 }

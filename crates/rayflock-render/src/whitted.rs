@@ -17,9 +17,11 @@
 
 use std::ops::Range;
 
+use rayflock_engine::auto::Choice;
 use rayflock_engine::{CommitStats, RayEngine};
 use rayflock_geom::HitBuffer;
 use rayflock_scene::{Background, LightKind, Scene, SceneFrame};
+use tracing::debug_span;
 
 use crate::frame_shading::FrameShading;
 use crate::lights::key_light::key_light;
@@ -77,6 +79,7 @@ impl WhittedRenderer {
 
 impl FrameRenderer for WhittedRenderer {
     fn commit(&mut self, scene: &Scene, frame: &SceneFrame) -> Result<CommitStats, RenderError> {
+        let _span = debug_span!("commit_frame").entered();
         self.frame = None;
         let shading = FrameShading::new(scene, frame)?;
         let stats = self.engine.commit(&frame.geometry, &frame.changes)?;
@@ -85,6 +88,7 @@ impl FrameRenderer for WhittedRenderer {
     }
 
     fn render(&mut self, view: &View, settings: &RenderSettings, film: &mut Film) -> FrameStats {
+        let _span = debug_span!("render").entered();
         let settings = settings.clamped();
         let Some(frame) = &self.frame else {
             let background = settings.background.unwrap_or(DEFAULT_SKY);
@@ -108,6 +112,10 @@ impl FrameRenderer for WhittedRenderer {
     fn memory_usage(&self) -> usize {
         let frame = self.frame.as_ref().map_or(0, FrameShading::memory_usage);
         self.engine.memory_usage() + frame + self.buffers.memory_usage()
+    }
+
+    fn choices(&self) -> &[Choice] {
+        self.engine.choices()
     }
 }
 
@@ -190,7 +198,9 @@ impl<'a> Picture<'a> {
     ) {
         buffers.hits.reset(wave.len());
         let stopwatch = Stopwatch::start();
+        let span = debug_span!("closest_hit").entered();
         stats.trace += engine.closest_hit(&wave.batch(), &mut buffers.hits.as_hits());
+        drop(span);
         stats.trace_seconds += stopwatch.seconds();
 
         shade_surface(&self.surroundings, wave, &buffers.hits, &mut buffers.runs);
@@ -218,17 +228,19 @@ impl<'a> Picture<'a> {
         stats: &mut FrameStats,
     ) {
         shadow_rays(target, &mut buffers.runs, &mut buffers.shadow);
-        let count = buffers.shadow.contributions.len();
+        let count = buffers.shadow.len();
         buffers.occluded.clear();
         buffers.occluded.resize(count, false);
         if self.settings.shadows && count > 0 {
             let batch = shadow_batch(target, &buffers.shadow);
             let stopwatch = Stopwatch::start();
+            let span = debug_span!("occluded").entered();
             stats.trace += engine.occluded(&batch, &mut buffers.occluded);
+            drop(span);
             stats.trace_seconds += stopwatch.seconds();
             stats.rays.shadow += count as u64;
         }
-        buffers.sums.add_lit(&buffers.shadow.contributions, &buffers.occluded);
+        buffers.sums.add_lit(&buffers.runs, &buffers.occluded);
     }
 }
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Mat3A};
 use rayflock_geom::{FrameChanges, Geometry, GeometryObject, ObjectId};
+use tracing::debug_span;
 
 use crate::animation::FRAME_TOLERANCE;
 use crate::pose::Pose;
@@ -106,6 +107,7 @@ impl Evaluator {
     /// [`SceneError::AnimatedMesh`], or another variant when an animated mesh does not hang
     /// together, and [`SceneError::Geometry`]. The frame before then stays.
     pub fn evaluate(&mut self, time: f64) -> Result<&SceneFrame, SceneError> {
+        let _span = debug_span!("evaluate").entered();
         if let Some(clip_idx) = self.clip_idx {
             let clip = &self.scene.clips[clip_idx];
             self.pose.set_time(&self.scene.nodes, clip, clip.local_time(time));

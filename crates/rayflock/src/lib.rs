@@ -20,7 +20,7 @@
 //!
 //! let triangle = Mesh::from_triangles(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]])?;
 //! let frame = Geometry::new(vec![GeometryObject::new(ObjectId(7), triangle)])?;
-//! let mut engine = rayflock::engine::create(EngineKind::Hierarchy);
+//! let mut engine = rayflock::engine::create(EngineKind::Auto);
 //! engine.commit(&frame, &FrameChanges::all())?;
 //!
 //! let origins = [Vec3::new(0.25, 0.25, 2.0), Vec3::new(2.0, 2.0, 2.0)];
@@ -39,7 +39,7 @@
 //!
 //! let scene = rayflock::scene::builtin::build("cornell").ok_or("no such scene")?;
 //! let mut evaluator = Evaluator::new(Arc::new(scene), None)?;
-//! let mut renderer = WhittedRenderer::new(rayflock::engine::create(EngineKind::Hierarchy));
+//! let mut renderer = WhittedRenderer::new(rayflock::engine::create(EngineKind::Auto));
 //! let mut film = Film::new(32, 24);
 //! for frame in 0..2 {
 //!     let scene = Arc::clone(evaluator.scene());

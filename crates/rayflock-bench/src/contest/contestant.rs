@@ -2,6 +2,7 @@
 
 use rayflock::engine::{EngineError, RayEngine};
 use rayflock::geom::Geometry;
+use tracing::debug_span;
 
 use super::answers::{Answers, Traced};
 use super::compare::Comparison;
@@ -96,9 +97,14 @@ impl Contestant {
         self.held.commit(self.engine.as_mut(), geometry)
     }
 
-    /// Makes `geometry` the current one, without a past.
-    pub(super) fn begin_with(&mut self, geometry: &Geometry) -> Result<(), EngineError> {
-        self.held.begin_with(self.engine.as_mut(), geometry)
+    /// Makes `before` the current one, with nothing kept of earlier frames; what differs in
+    /// `later` is known to move.
+    pub(super) fn begin_with(
+        &mut self,
+        before: &Geometry,
+        later: &Geometry,
+    ) -> Result<(), EngineError> {
+        self.held.begin_with(self.engine.as_mut(), before, later)
     }
 
     /// Traces all rays of a frame that is committed.
@@ -108,6 +114,7 @@ impl Contestant {
 
     /// Commits and traces one frame, measured. What goes wrong takes the engine out of the cell.
     pub(super) fn take_turn(&mut self, frame: &PieceFrame, answers: &mut Answers) {
+        let _span = debug_span!("turn", engine = self.name).entered();
         let commit = match self.commit(&frame.geometry) {
             Ok(commit) => commit,
             Err(error) => return self.skipped = Some(error.to_string()),

@@ -35,15 +35,18 @@ impl Held {
         Ok(cost.without(stats.conversion_ns))
     }
 
-    /// Gives `engine` an empty frame and then `geometry`: whatever it keeps from frame to frame,
-    /// it begins anew.
+    /// Makes `engine` begin anew in the frame `before`: whatever it keeps from frame to frame is
+    /// of that frame. It gets an empty frame first, then a `later` one, from which it learns what
+    /// moves: Embree builds the tree that it will refit when an object first does.
     pub(super) fn begin_with(
         &mut self,
         engine: &mut dyn RayEngine,
-        geometry: &Geometry,
+        before: &Geometry,
+        later: &Geometry,
     ) -> Result<(), EngineError> {
-        self.commit(engine, &Geometry::default())?;
-        self.commit(engine, geometry)?;
+        for geometry in [&Geometry::default(), later, before] {
+            self.commit(engine, geometry)?;
+        }
         Ok(())
     }
 }

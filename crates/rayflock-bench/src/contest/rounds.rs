@@ -92,7 +92,7 @@ impl Rounds<'_> {
             return Ok(());
         }
         let committed = contestant
-            .begin_with(&self.phase.before)
+            .begin_with(&self.phase.before, &last.geometry)
             .and_then(|()| contestant.commit(&last.geometry));
         contestant.skipped = match committed {
             Ok(_) => forecast(contestant, &last.rays, self.effort.frame_limit, answers),

@@ -130,7 +130,7 @@ impl Trial {
     fn commit(&mut self, phase: &PiecePhase) -> Result<Duration, EngineError> {
         let [first, others @ ..] = &phase.frames[..] else { return Ok(Duration::ZERO) };
         let other = others.last().map_or(&phase.before, |last| &last.geometry);
-        self.held.begin_with(&mut self.engine, &phase.before)?;
+        self.held.begin_with(&mut self.engine, &phase.before, &first.geometry)?;
         fastest(|| {
             self.held.commit(&mut self.engine, other)?;
             Ok(self.held.commit(&mut self.engine, &first.geometry)?.time)

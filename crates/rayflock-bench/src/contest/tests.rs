@@ -63,7 +63,7 @@ fn engines_take_turns_and_every_commit_is_news() {
     let cells = measure(&mut contest(engines.into()), &piece);
 
     let warm_up = ["a", "b"].map(|name| {
-        let what = ["commit nothing", "commit before", "commit 1", "trace 64"];
+        let what = ["commit nothing", "commit 1", "commit before", "commit 1", "trace 64"];
         what.map(|what| format!("{name} {what}")).to_vec()
     });
     let turn = |name, frame| vec![format!("{name} commit {frame}"), format!("{name} trace 64")];
@@ -81,7 +81,7 @@ fn a_single_frame_comes_after_the_frame_before_each_time() {
     piece.phases[0].frames.truncate(1);
     measure(&mut contest(vec![fake("a", true, Tamper::Nothing, &log)]), &piece);
     let turn = ["a commit before", "a commit 0", "a trace 64"];
-    assert_eq!(log.of(&piece)[4..], turn.repeat(3));
+    assert_eq!(log.of(&piece)[5..], turn.repeat(3));
 }
 
 #[test]

@@ -8,6 +8,8 @@ mod output;
 mod scaling;
 mod scene;
 
+use std::path::Path;
+
 use clap::{Args, Subcommand};
 
 pub(crate) use compare::{BenchCompareArguments, BenchReportArguments};
@@ -51,6 +53,17 @@ impl BenchCommand {
             Self::Scene(args) => args.engines.threads,
             Self::Scaling(args) => args.engines.threads,
             Self::Museum(args) => args.engines.threads,
+            Self::Compare(_) | Self::Report(_) => None,
+        }
+    }
+
+    /// Where the user wants a profile.
+    pub(crate) fn trace(&self) -> Option<&Path> {
+        match self {
+            Self::Map(args) => args.trace.trace.as_deref(),
+            Self::Scene(args) => args.trace.trace.as_deref(),
+            Self::Scaling(args) => args.trace.trace.as_deref(),
+            Self::Museum(args) => args.trace.trace.as_deref(),
             Self::Compare(_) | Self::Report(_) => None,
         }
     }

@@ -11,13 +11,13 @@ use rayflock_bench::peer::embree::EmbreeLibrary;
 /// Which engine traces the rays.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct EngineChoice {
-    /// The engine that traces the rays: brute, hierarchy, or to compare embree, embree:SETTING or
-    /// obvhs.
+    /// The engine that traces the rays: auto asks whichever of brute, hierarchy and bvh should
+    /// answer soonest; to compare, also embree, embree:SETTING and obvhs.
     ///
     /// Our own engines give the same picture in every bit, those of others nearly the same.
     /// SETTING is how Embree is used: low, medium or refit; kept, instances or merged; single or
     /// packets; coherent; robust; joined by +.
-    #[arg(long, value_name = "NAME", default_value_t = EngineKind::Hierarchy.into())]
+    #[arg(long, value_name = "NAME", default_value_t = EngineKind::Auto.into())]
     pub(crate) engine: EngineSpec,
 
     /// The library Embree 4, for the engine embree [default: EMBREE_LIB, else what

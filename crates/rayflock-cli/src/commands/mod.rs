@@ -9,6 +9,7 @@ use anyhow::Context;
 
 use crate::args::Command;
 use crate::failure::{Blame, Failure};
+use crate::profile;
 
 /// Does what the user asked, on as many threads as the user allows.
 pub(crate) fn run(command: &Command) -> Result<(), Failure> {
@@ -18,15 +19,22 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Info(_) => None,
         Command::Bench(args) => args.command.threads(),
     };
+    let trace = match command {
+        Command::Render(args) => args.trace.trace.as_deref(),
+        Command::Bench(args) => args.command.trace(),
+        Command::Demo(_) | Command::Info(_) => None,
+    };
     let pool = rayon::ThreadPoolBuilder::new()
+        .thread_name(|idx| format!("worker {idx}"))
         .num_threads(threads.map_or(0, usize::from))
         .build()
         .context("cannot start threads")
         .blame_output()?;
-    pool.install(|| match command {
+    let work = || match command {
         Command::Demo(args) => demo::run(args),
         Command::Render(args) => render::run(args),
         Command::Info(args) => info::run(args),
         Command::Bench(args) => bench::run(args),
-    })
+    };
+    profile::record(trace, || pool.install(work)).blame_output()?
 }

@@ -4,6 +4,7 @@ use std::fs;
 
 use anyhow::{Context, Result};
 use rayflock::geom::simd::SimdLevel;
+use tracing::debug_span;
 
 use crate::args::RenderArguments;
 use crate::failure::{Blame, Failure};
@@ -39,6 +40,7 @@ pub(super) fn run(args: &RenderArguments) -> Result<(), Failure> {
 /// Makes a film of the frames, and removes them once it is there.
 fn assemble(plan: &RenderPlan, names: &FrameNames, interrupt: &Interrupt) -> Result<(), Failure> {
     let Target::Film(path, container) = &plan.target else { return Ok(()) };
+    let _span = debug_span!("write_film").entered();
     let frames = plan.frames.iter().map(|frame| names.path(frame)).collect();
     let reel = Reel { frames, size: plan.size, fps: plan.fps, interrupt };
     match film::write(path, *container, &reel) {

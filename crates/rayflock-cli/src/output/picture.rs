@@ -7,6 +7,7 @@ use glam::Vec3;
 use rayflock::render::Film;
 use rayflock::render::tonemap::{self, ToneMap};
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use super::{atomic, exr, png};
 
@@ -43,6 +44,7 @@ pub(crate) struct Look {
 
 /// Writes `film` to `path`, whole or not at all.
 pub(crate) fn write(path: &Path, format: PictureFormat, film: &Film, look: Look) -> Result<()> {
+    let _span = debug_span!("write_picture").entered();
     let (width, height) = (film.width() as u32, film.height() as u32);
     atomic::write_whole(path, |partial| match format {
         PictureFormat::Png8 => {

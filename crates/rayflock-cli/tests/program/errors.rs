@@ -25,6 +25,7 @@ fn wrong_arguments_say_what_is_expected() {
     let work = Workplace::new();
     for (option, expected) in [
         ("--engine warp", ["\"warp\"", "brute, hierarchy"]),
+        ("--engine brute --explain", ["engine auto", "--engine is brute"]),
         ("--frames 5..2", ["5..2", "expected 2..5"]),
         ("--frames x", ["'x'", "0..47"]),
         ("--size 0x5", ["0x5", "640x360"]),

@@ -4,9 +4,11 @@ mod bench;
 mod demo_and_info;
 mod engines;
 mod errors;
+mod explain;
 mod formats;
 mod resume;
 mod stats;
+mod trace;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};

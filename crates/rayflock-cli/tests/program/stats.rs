@@ -11,7 +11,7 @@ fn stats_have_every_field_of_the_contract() {
         "render builtin:cornell --size 16x12 --frames 2..4 --threads 2 --stats s.json -o x.gif",
     );
     let stats: Value = serde_json::from_slice(&work.read("s.json")).unwrap();
-    assert_eq!(stats["engine"], "hierarchy");
+    assert_eq!(stats["engine"], "auto");
     assert_eq!(stats["threads"], 2);
     assert_eq!(stats["size"], serde_json::json!([16, 12]));
     assert!(stats["simd"].is_string());

@@ -26,6 +26,7 @@ pub(super) fn cross_chunk<S: Simd>(
     nearest: &mut [Nearest],
 ) -> TraceStats {
     let mut stats = TraceStats { rays: nearest.len() as u64, ..TraceStats::default() };
+    nearest.fill(Nearest::NONE);
     let mut rays = [None; CHUNK];
     for (idx, place) in rays[..nearest.len()].iter_mut().enumerate() {
         let ray = batch.ray(first_ray + idx);

@@ -9,7 +9,7 @@
 
 use rayflock_geom::{Geometry, GeometryObject};
 
-use crate::primitives::{ObjectSpan, is_same};
+use crate::primitives::ObjectSpan;
 
 /// What is to be done about the kept tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,7 +88,7 @@ impl Parts {
             let rested = before.peek().filter(|before| {
                 before.object.id == object.id
                     && before.span == *span
-                    && is_same(&before.object, object)
+                    && object.is_same(&before.object)
             });
             self.places.push(match rested.map(|before| before.place) {
                 Some(Place::Kept) => Place::Kept,

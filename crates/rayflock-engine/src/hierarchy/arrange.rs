@@ -9,13 +9,20 @@
 //!
 //! Tiles whose codes agree but for the last two bits share a parent, and so on upward.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use rayflock_geom::simd::LANES;
 use rayflock_geom::{Ray, RayBatch, RayOrder, RayState};
+use rayon::prelude::*;
+use tracing::debug_span;
 
 use super::sort_rays::RaySorter;
 
 /// Stands for a place in a tile without a ray.
 pub(super) const NO_RAY: u32 = u32::MAX;
+
+/// Rays whose places one task notes at least.
+const RAYS_PER_TASK: usize = 4096;
 
 /// Pixels along the side of an image tile.
 const TILE_SIDE: usize = 4;
@@ -33,6 +40,8 @@ pub(super) struct Arrangement {
     pub(super) ray_idx: Vec<u32>,
     /// One a tile, strictly increasing.
     pub(super) codes: Vec<u32>,
+    /// The place of each ray; empty where rays lie in the order of the batch.
+    places: Vec<AtomicU32>,
     /// What the arrangement was made for, when it depends on nothing else.
     made_for: Option<(usize, RayOrder)>,
     sorter: RaySorter,
@@ -49,6 +58,7 @@ struct Image {
 impl Arrangement {
     /// Arranges the rays of `batch`. An image of the same size as before is not arranged anew.
     pub(super) fn assign(&mut self, batch: &RayBatch<'_>) {
+        let _span = debug_span!("arrange").entered();
         let order = effective_order(batch);
         let key = (batch.len(), order);
         if self.made_for == Some(key) {
@@ -56,6 +66,7 @@ impl Arrangement {
         }
         self.ray_idx.clear();
         self.codes.clear();
+        self.places.clear();
         match order {
             RayOrder::Image { width, height, tile } => {
                 self.arrange_image(Image { width, height, tile });
@@ -67,8 +78,17 @@ impl Arrangement {
                 self.sorter = sorter;
             }
         }
+        if order != RayOrder::Coherent {
+            self.find_places(batch.len());
+        }
         let depends_on_rays = matches!(order, RayOrder::Groups(_) | RayOrder::Unordered);
         self.made_for = (!depends_on_rays).then_some(key);
+    }
+
+    /// Where a ray of the batch lies.
+    #[inline(always)]
+    pub(super) fn place(&self, ray_idx: usize) -> usize {
+        self.places.get(ray_idx).map_or(ray_idx, |place| place.load(Ordering::Relaxed) as usize)
     }
 
     /// Positions in the batch of a tile's rays.
@@ -82,6 +102,17 @@ impl Arrangement {
         let tile_count = self.ray_idx.len().div_ceil(LANES);
         self.ray_idx.resize(tile_count * LANES, NO_RAY);
         self.codes.extend(0..tile_count as u32);
+    }
+
+    /// Inverts `ray_idx`: each ray has one place, so tasks never write the same entry.
+    fn find_places(&mut self, ray_count: usize) {
+        self.places.resize_with(ray_count, AtomicU32::default);
+        let rays = self.ray_idx.par_iter().enumerate().with_min_len(RAYS_PER_TASK);
+        rays.for_each(|(place, &ray_idx)| {
+            if ray_idx != NO_RAY {
+                self.places[ray_idx as usize].store(place as u32, Ordering::Relaxed);
+            }
+        });
     }
 
     fn arrange_image(&mut self, image: Image) {
@@ -101,7 +132,8 @@ impl Arrangement {
 
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
-        4 * (self.ray_idx.capacity() + self.codes.capacity()) + self.sorter.memory_usage()
+        4 * (self.ray_idx.capacity() + self.codes.capacity() + self.places.capacity())
+            + self.sorter.memory_usage()
     }
 }
 

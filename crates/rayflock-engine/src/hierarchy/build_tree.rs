@@ -5,6 +5,7 @@ use rayflock_geom::simd::LANES;
 use rayflock_geom::simd::cone_sphere::Reach;
 use rayflock_geom::{Ray, RayBatch, RayState, Sphere, SphereCone};
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use super::arrange::{Arrangement, NO_RAY};
 use super::ray_tree::{RayNode, RayTree};
@@ -28,6 +29,7 @@ impl RayTree {
         arrangement: &Arrangement,
         t_bound: &(impl Fn(usize) -> f32 + Sync),
     ) -> TraceStats {
+        let _span = debug_span!("build_tree").entered();
         self.clear();
         let (_, tiles) = self.push_level();
         let tile_count = arrangement.codes.len();

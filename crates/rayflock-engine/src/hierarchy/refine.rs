@@ -9,6 +9,7 @@ use std::sync::Mutex;
 
 use rayflock_geom::simd::{LANES, Simd, SimdLevel, dispatch};
 use rayflock_geom::{Ray, RayBatch};
+use tracing::debug_span;
 
 use super::arrange::{Arrangement, active_ray};
 use super::build_tree::bound_ray;
@@ -107,6 +108,8 @@ impl<F: Fn(usize) -> f32 + Sync> Pass<'_, F> {
     }
 
     fn run_task(&self, level: usize, node_idx: usize, nearest: &mut [Nearest]) -> TraceStats {
+        let _span = debug_span!("refine").entered();
+        nearest.fill(Nearest::NONE);
         let mut scratch = self.take_scratch();
         if scratch.lists.len() <= level {
             scratch.lists.resize_with(level + 1, Candidates::default);

@@ -8,6 +8,8 @@
 //!
 //! **Cost.** One parallel sort of eight bytes a ray.
 
+use std::ops::Range;
+
 use glam::{Vec2, Vec3};
 use rayflock_geom::{Aabb, RayBatch};
 use rayon::prelude::*;
@@ -29,7 +31,7 @@ pub(super) struct RaySorter {
 impl RaySorter {
     /// The positions of all rays of `batch`, in an order in which neighbours are close.
     pub(super) fn sort(&mut self, batch: &RayBatch<'_>) -> &[u32] {
-        let bounds = Aabb::around((0..batch.len()).map(|ray_idx| batch.origin().get(ray_idx)));
+        let bounds = origin_bounds(batch);
         let scale = bounds.size().map(|side| if side > 0.0 { 1.0 / side } else { 0.0 });
         let uniform_origin = batch.origin().uniform().is_some();
         let uniform_direction = batch.direction().uniform().is_some();
@@ -49,8 +51,8 @@ impl RaySorter {
             .map(|ray_idx| (u64::from(key(ray_idx)) << 32) | ray_idx as u64)
             .collect_into_vec(&mut self.keyed);
         self.keyed.par_sort_unstable();
-        self.order.clear();
-        self.order.extend(self.keyed.iter().map(|&keyed| keyed as u32));
+        let sorted = self.keyed.par_iter().with_min_len(RAYS_PER_TASK);
+        sorted.map(|&keyed| keyed as u32).collect_into_vec(&mut self.order);
         &self.order
     }
 
@@ -58,6 +60,17 @@ impl RaySorter {
     pub(super) fn memory_usage(&self) -> usize {
         8 * self.keyed.capacity() + 4 * self.order.capacity()
     }
+}
+
+/// The box around all origins.
+fn origin_bounds(batch: &RayBatch<'_>) -> Aabb {
+    let around = |rays: Range<usize>| Aabb::around(rays.map(|idx| batch.origin().get(idx)));
+    if batch.origin().uniform().is_some() {
+        return around(0..1);
+    }
+    let starts = (0..batch.len()).into_par_iter().step_by(RAYS_PER_TASK);
+    let parts = starts.map(|start| around(start..(start + RAYS_PER_TASK).min(batch.len())));
+    parts.reduce(|| Aabb::EMPTY, |a, b| a.union(&b))
 }
 
 /// A direction's place on the unit square: the octahedron unfolded. NaN for a direction without.

@@ -1,5 +1,7 @@
 //! Where the primitives of each object lie among ranks and slots.
 
+use std::ops::Range;
+
 use rayflock_geom::simd::LANES;
 use rayflock_geom::{Geometry, GeometryObject, ObjectId};
 
@@ -14,13 +16,6 @@ pub(crate) struct ObjectSpan {
     pub(crate) first_slot: KindCounts,
     /// Number of primitives of each kind.
     pub(crate) count: KindCounts,
-}
-
-impl ObjectSpan {
-    /// Number of primitives.
-    pub(crate) const fn prim_count(&self) -> usize {
-        self.count.triangles + self.count.spheres + self.count.users
-    }
 }
 
 /// One number for each kind of primitive.
@@ -40,6 +35,28 @@ pub(crate) struct Layout {
     pub(crate) begin: KindCounts,
     /// Number of slots, a multiple of sixteen.
     pub(crate) slot_count: usize,
+}
+
+impl ObjectSpan {
+    /// Slots of the object's triangles.
+    pub(crate) fn triangle_slots(&self) -> Range<usize> {
+        self.first_slot.triangles..self.first_slot.triangles + self.count.triangles
+    }
+
+    /// Slots of the object's spheres.
+    pub(crate) fn sphere_slots(&self) -> Range<usize> {
+        self.first_slot.spheres..self.first_slot.spheres + self.count.spheres
+    }
+
+    /// Slots of the object's user primitives.
+    pub(crate) fn user_slots(&self) -> Range<usize> {
+        self.first_slot.users..self.first_slot.users + self.count.users
+    }
+
+    /// Number of primitives of all kinds.
+    pub(crate) fn prim_count(&self) -> usize {
+        self.count.triangles + self.count.spheres + self.count.users
+    }
 }
 
 impl Layout {
@@ -70,7 +87,7 @@ impl Layout {
                 self.spans.truncate(idx);
                 self.spans.push(span);
             }
-            first_rank += count.triangles + count.spheres + count.users;
+            first_rank += span.prim_count();
             next.triangles += count.triangles;
             next.spheres += count.spheres;
             next.users += count.users;
@@ -80,10 +97,11 @@ impl Layout {
         differs
     }
 
-    /// The object that holds the primitive of this rank.
-    pub(crate) fn span_of_rank(&self, rank: u32) -> &ObjectSpan {
-        let after = self.spans.partition_point(|span| span.first_rank <= rank as usize);
-        &self.spans[after - 1]
+    /// Positions of the objects that may have triangles in `slots`, one slot at least.
+    pub(crate) fn objects_of_triangles(&self, slots: Range<usize>) -> Range<usize> {
+        let before = |span: &ObjectSpan| span.triangle_slots().end <= slots.start;
+        let begun = |span: &ObjectSpan| span.first_slot.triangles < slots.end;
+        self.spans.partition_point(before)..self.spans.partition_point(begun)
     }
 }
 

@@ -5,15 +5,15 @@ use std::sync::Arc;
 use glam::Vec3;
 use rayflock_geom::simd::cone_sphere::{SLACK, SphereBlock};
 use rayflock_geom::simd::ray_triangle::TriangleBlock;
-use rayflock_geom::simd::{LANES, Lanes};
-use rayflock_geom::{
-    FrameChanges, Geometry, GeometryObject, Hit, ObjectChange, PrimId, RayTransform, Sphere,
-    UserPrimitives,
-};
+use rayflock_geom::simd::{LANES, Lanes, SimdLevel};
+use rayflock_geom::{FrameChanges, Geometry, RayTransform, Sphere, UserPrimitives};
+use tracing::debug_span;
 
+use super::ignored::IgnoredCounter;
+use super::plan::Work;
+use super::rank_table::{RankTable, RankedObject};
 use super::span::{Layout, ObjectSpan};
 use crate::CommitStats;
-use crate::packet::Nearest;
 
 /// What a test reads of a triangle: three corners, rank and mask.
 pub(crate) const TRIANGLE_BYTES: u64 = 44;
@@ -24,20 +24,27 @@ pub(crate) const SPHERE_BYTES: u64 = 24;
 /// All primitives of the committed frame. See the [module](super) for the layout.
 #[derive(Debug, Default)]
 pub(crate) struct PrimitiveTable {
+    pub(super) simd: SimdLevel,
     pub(super) geometry: Geometry,
     pub(super) layout: Layout,
+    pub(super) rank_table: RankTable,
+    /// One for each object: what this commit has to write.
+    pub(super) plan: Vec<Work>,
     /// One for each object: what its last writing ignored.
-    pub(super) ignored: Vec<Ignored>,
+    pub(super) ignored: Vec<IgnoredCounter>,
     /// Corners of the triangle slots.
     pub(super) corners: Vec<TriangleBlock>,
     /// Spheres, from slot `layout.begin.spheres` on.
     pub(super) spheres: Vec<Sphere>,
     /// User primitives, from slot `layout.begin.users` on.
     pub(super) users: Vec<UserSlot>,
-    /// Bounding spheres of all slots.
+    /// Bounding spheres of all slots; those of triangles may be stale.
     pub(super) bounds: Vec<SphereBlock>,
-    /// One sphere around the bounding spheres of each block, sixteen blocks an entry.
+    /// One sphere around the bounding spheres of each block, sixteen blocks an entry; may be stale.
     pub(super) block_bounds: Vec<SphereBlock>,
+    /// One for each entry of `block_bounds`: whether anything in it was written since.
+    pub(super) stale_groups: Vec<bool>,
+    pub(super) bounds_are_stale: bool,
     /// Ranks of all slots.
     pub(super) ranks: Vec<[u32; LANES]>,
     /// Object masks of all slots; 0 where there is nothing to hit.
@@ -54,13 +61,6 @@ pub(crate) struct UserSlot {
     pub(crate) transform: Option<RayTransform>,
 }
 
-/// Primitives that were left out, and why.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Ignored {
-    pub(super) non_finite: usize,
-    pub(super) degenerate: usize,
-}
-
 /// What a slot holds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum SlotKind<'a> {
@@ -73,58 +73,41 @@ pub(crate) enum SlotKind<'a> {
 }
 
 impl PrimitiveTable {
-    /// Takes over a frame, writing the primitives of objects that differ from the frame before.
-    ///
-    /// An object is taken as it was only when `changes` says so *and* it shares its mesh,
-    /// transform and mask with the frame before: meshes are immutable, so a wrong hint does no
-    /// harm.
-    pub(crate) fn commit(&mut self, geometry: &Geometry, changes: &FrameChanges) -> CommitStats {
-        let before = std::mem::replace(&mut self.geometry, geometry.clone());
-        let layout_differs = self.layout.assign(geometry);
-        if layout_differs {
-            self.resize();
-        }
-        let (mut rewritten_count, object_count) = (0, geometry.objects().len());
-        for idx in 0..object_count {
-            let object = &geometry.objects()[idx];
-            let unchanged = changes.get(object.id) == ObjectChange::Unchanged
-                && before.object(object.id).is_some_and(|before| is_same(before, object));
-            if layout_differs || !unchanged {
-                self.write_object(idx);
-                rewritten_count += object.shape.prim_count();
-            }
-        }
-        if rewritten_count > 0 {
-            self.bound_blocks();
-        }
-        self.slack = self.widest_slack();
-        let ignored = self.ignored.iter();
-        CommitStats {
-            prim_count: geometry.prim_count(),
-            non_finite_count: ignored.clone().map(|ignored| ignored.non_finite).sum(),
-            degenerate_count: ignored.map(|ignored| ignored.degenerate).sum(),
-            rewritten_count,
-            conversion_ns: 0,
-        }
+    /// An empty table, written at the given SIMD level.
+    pub(crate) fn new(simd: SimdLevel) -> Self {
+        Self { simd, ..Self::default() }
     }
 
-    /// Makes room for the layout; padding holds nothing to hit.
-    fn resize(&mut self) {
-        let block_count = self.layout.slot_count / LANES;
-        self.corners.resize(self.layout.begin.spheres / LANES, TriangleBlock::EMPTY);
-        self.spheres.clear();
-        let sphere_slots = self.layout.begin.users - self.layout.begin.spheres;
-        self.spheres.resize(sphere_slots, Sphere::default());
-        self.users.clear();
-        self.bounds.clear();
-        self.bounds.resize(block_count, SphereBlock::EMPTY);
-        self.block_bounds.clear();
-        self.block_bounds.resize(block_count.div_ceil(LANES), SphereBlock::EMPTY);
-        self.ranks.resize(block_count, [u32::MAX; LANES]);
-        self.masks.clear();
-        self.masks.resize(block_count, [0; LANES]);
-        self.ignored.clear();
-        self.ignored.resize(self.layout.spans.len(), Ignored::default());
+    /// Takes over a frame, writing the primitives of objects that differ from the frame before.
+    pub(crate) fn commit(&mut self, geometry: &Geometry, changes: &FrameChanges) -> CommitStats {
+        let _span = debug_span!("commit").entered();
+        let layout_differs = self.layout.assign(geometry);
+        self.plan_work(geometry, changes, layout_differs);
+        self.geometry.clone_from(geometry);
+        if layout_differs {
+            self.begin_layout();
+        }
+        self.mark_stale_bounds();
+        self.write_triangles();
+        for object_idx in 0..self.plan.len() {
+            if self.plan[object_idx] != Work::Nothing {
+                self.write_others(object_idx);
+            }
+        }
+        self.slack = self.widest_slack();
+        self.commit_stats()
+    }
+
+    fn commit_stats(&self) -> CommitStats {
+        let mut stats =
+            CommitStats { prim_count: self.geometry.prim_count(), ..CommitStats::default() };
+        for ((span, work), ignored) in self.layout.spans.iter().zip(&self.plan).zip(&self.ignored) {
+            let ignored = ignored.get();
+            stats.non_finite_count += ignored.non_finite;
+            stats.degenerate_count += ignored.degenerate;
+            stats.rewritten_count += if *work == Work::Nothing { 0 } else { span.prim_count() };
+        }
+        stats
     }
 
     fn widest_slack(&self) -> f32 {
@@ -134,7 +117,7 @@ impl PrimitiveTable {
 
     /// Number of blocks of sixteen slots.
     pub(crate) fn block_count(&self) -> usize {
-        self.bounds.len()
+        self.masks.len()
     }
 
     /// Number of blocks that hold triangles; they come first.
@@ -147,16 +130,18 @@ impl PrimitiveTable {
         &self.corners[block_idx]
     }
 
-    /// Bounding spheres of a block.
+    /// Bounding spheres of a block. Those of triangles have to be written first:
+    /// [`Self::write_bounds`].
     pub(crate) fn bounds(&self, block_idx: usize) -> &SphereBlock {
+        let is_current = block_idx >= self.corners.len() || !self.bounds_are_stale;
+        debug_assert!(is_current, "bounds of triangles are asked for before they are written");
         &self.bounds[block_idx]
     }
 
     /// The bounding sphere of a slot.
     #[inline(always)]
     pub(crate) fn bound(&self, slot: u32) -> Sphere {
-        let (block, lane) = (&self.bounds[slot as usize / LANES], slot as usize % LANES);
-        Sphere::new(block.center_of(lane), block.radius[lane])
+        self.bounds(slot as usize / LANES).get(slot as usize % LANES)
     }
 
     /// Where the primitives of each object lie; one entry for each object of the geometry.
@@ -170,7 +155,9 @@ impl PrimitiveTable {
     }
 
     /// Spheres around whole blocks: entry `idx` bounds the sixteen blocks from `16 * idx` on.
+    /// They have to be written first: [`Self::write_bounds`].
     pub(crate) fn block_bounds(&self) -> &[SphereBlock] {
+        debug_assert!(!self.bounds_are_stale, "bounds are asked for before they are written");
         &self.block_bounds
     }
 
@@ -240,15 +227,15 @@ impl PrimitiveTable {
         self.slack
     }
 
-    /// The public form of a nearest hit.
-    pub(crate) fn hit(&self, nearest: &Nearest) -> Hit {
-        if nearest.rank == u32::MAX {
-            return Hit::MISS;
-        }
-        let span: &ObjectSpan = self.layout.span_of_rank(nearest.rank);
-        let prim_id = PrimId(nearest.rank - span.first_rank as u32);
-        let Nearest { t, u, v, .. } = *nearest;
-        Hit { t, u, v, object_id: span.object_id, prim_id }
+    /// The object of a primitive, by its rank.
+    #[inline(always)]
+    pub(crate) fn object_of_rank(&self, rank: u32) -> RankedObject {
+        self.rank_table.object(rank)
+    }
+
+    /// The SIMD level at which the table is written.
+    pub(crate) fn simd(&self) -> SimdLevel {
+        self.simd
     }
 
     /// Bytes held, without the shared meshes.
@@ -259,12 +246,6 @@ impl PrimitiveTable {
             + (self.bounds.capacity() + self.block_bounds.capacity()) * size_of::<SphereBlock>()
             + (self.ranks.capacity() + self.masks.capacity()) * size_of::<Lanes>()
             + self.layout.spans.capacity() * size_of::<ObjectSpan>()
+            + self.rank_table.memory_usage()
     }
-}
-
-/// Whether an object is the same as in the frame before.
-pub(crate) fn is_same(before: &GeometryObject, now: &GeometryObject) -> bool {
-    Arc::ptr_eq(&before.shape, &now.shape)
-        && before.mask == now.mask
-        && before.world_from_object == now.world_from_object
 }

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 use rayflock_engine::{
-    CommitStats, EngineKind, RayEngine, TraceStats, brute, bvh, create, hierarchy,
+    CommitStats, EngineKind, RayEngine, TraceStats, auto, brute, bvh, create, hierarchy,
 };
 use rayflock_geom::simd::SimdLevel;
 use rayflock_geom::{FrameChanges, Geometry, Hit, HitBuffer, RayBatch};
@@ -21,6 +21,7 @@ pub(crate) struct Subject {
 impl Subject {
     fn new(kind: EngineKind, simd: SimdLevel, threads: usize) -> Self {
         let engine: Box<dyn RayEngine> = match kind {
+            EngineKind::Auto => Box::new(auto::AutoEngine::new(auto::Config { simd })),
             EngineKind::Brute => Box::new(brute::BruteEngine::new(brute::Config { simd })),
             EngineKind::Hierarchy => {
                 Box::new(hierarchy::HierarchyEngine::new(hierarchy::Config { simd }))

@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 #![expect(clippy::unwrap_used, reason = "the tests' helpers may fail just as the tests may")]
 
+mod auto;
 mod cases;
 mod counters;
 mod engines;

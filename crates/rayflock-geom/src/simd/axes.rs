@@ -29,6 +29,14 @@ pub(super) fn load_ordered_axes<S: Simd>(
     [load(simd, &columns[first]), load(simd, &columns[second]), load(simd, &columns[third])]
 }
 
+/// Writes three vectors as columns.
+#[inline(always)]
+pub(super) fn store_axes<S: Simd>(axes: &Axes<S>, columns: &mut [Lanes; 3]) {
+    for (axis, column) in axes.iter().zip(columns) {
+        axis.store_slice(column);
+    }
+}
+
 /// One point in every lane.
 #[inline(always)]
 pub(super) fn splat_axes<S: Simd>(simd: S, point: Vec3) -> Axes<S> {

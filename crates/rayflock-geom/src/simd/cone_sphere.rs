@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::axes::{dot, load_axes, splat_axes, subtract};
+use super::axes::{dot, load_axes, splat_axes, store_axes, subtract};
 use super::ray_triangle::DEPTH_ERROR;
 use super::{Lanes, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 use crate::{Sphere, SphereCone};
@@ -40,10 +40,11 @@ impl SphereBlock {
         self.radius[lane] = sphere.radius;
     }
 
-    /// The centre of one lane.
+    /// The sphere of one lane.
     #[inline(always)]
-    pub fn center_of(&self, lane: usize) -> Vec3 {
-        Vec3::new(self.center[0][lane], self.center[1][lane], self.center[2][lane])
+    pub fn get(&self, lane: usize) -> Sphere {
+        let [x, y, z] = &self.center;
+        Sphere::new(Vec3::new(x[lane], y[lane], z[lane]), self.radius[lane])
     }
 
     /// The sixteen spheres as vectors.
@@ -63,6 +64,15 @@ pub struct SphereLanes<S: Simd> {
     pub center: [f32x16<S>; 3],
     /// Radii; minus infinity for a lane that nothing may touch.
     pub radius: f32x16<S>,
+}
+
+impl<S: Simd> SphereLanes<S> {
+    /// Writes all lanes of a block.
+    #[inline(always)]
+    pub fn store(&self, block: &mut SphereBlock) {
+        store_axes(&self.center, &mut block.center);
+        self.radius.store_slice(&mut block.radius);
+    }
 }
 
 /// How far along its rays a cone reaches, as distances from their origins.

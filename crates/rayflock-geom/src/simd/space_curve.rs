@@ -33,13 +33,13 @@ pub fn hilbert_codes<S: Simd>(simd: S, points: [f32x16<S>; 3], bits: u32) -> u32
     }
 
     // Gray code.
-    y = y ^ x;
-    z = z ^ y;
+    y ^= x;
+    z ^= y;
     let mut parity = z >> 1;
-    parity = parity ^ (parity >> 1);
-    parity = parity ^ (parity >> 2);
-    parity = parity ^ (parity >> 4);
-    parity = parity ^ (parity >> 8);
+    parity ^= parity >> 1;
+    parity ^= parity >> 2;
+    parity ^= parity >> 4;
+    parity ^= parity >> 8;
     let (x, y, z) = (x ^ parity, y ^ parity, z ^ parity);
     (spread(simd, x) << 2) | (spread(simd, y) << 1) | spread(simd, z)
 }
@@ -109,13 +109,13 @@ mod tests {
                     let cell = |idx: usize| [idx % side, idx / side % side, idx / side / side];
                     let mut points = [[0.5; LANES]; 3];
                     for lane in 0..8 {
-                        for axis in 0..3 {
-                            points[axis][lane] = cell(first + lane)[axis] as f32 + 0.5;
+                        for (column, cell) in points.iter_mut().zip(cell(first + lane)) {
+                            column[lane] = cell as f32 + 0.5;
                         }
                     }
                     let codes = codes(level, &points, bits);
-                    for lane in 0..8 {
-                        let place = &mut cells[codes[lane] as usize];
+                    for (lane, &code) in codes[..8].iter().enumerate() {
+                        let place = &mut cells[code as usize];
                         assert_eq!(*place, None, "{level}");
                         *place = Some(cell(first + lane));
                     }

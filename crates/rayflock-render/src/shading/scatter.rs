@@ -31,7 +31,7 @@ pub(crate) struct Scatter {
     pub(crate) mirror_direction: Vec3,
     /// Multiplies radiance along `refraction_direction`.
     pub(crate) transmission: Vec3,
-    /// The refracted ray, of unit length, on the other side.
+    /// The refracted ray, of unit length, on the other side, where there is transmission.
     pub(crate) refraction_direction: Vec3,
 }
 
@@ -63,14 +63,16 @@ pub(crate) fn scatter(
         }
     };
     let mut transmission = material.transmission * kept;
-    let refraction_direction = match fresnel::refracted(direction, normal, eta) {
-        Some(refracted) => turned_below(refracted, point.facet_normal),
-        None => {
-            mirror += transmission;
-            transmission = Vec3::ZERO;
-            direction
+    let mut refraction_direction = direction;
+    if transmission != Vec3::ZERO {
+        match fresnel::refracted(direction, normal, eta) {
+            Some(refracted) => refraction_direction = turned_below(refracted, point.facet_normal),
+            None => {
+                mirror += transmission;
+                transmission = Vec3::ZERO;
+            }
         }
-    };
+    }
     let mirror_direction = -turned_below(-fresnel::mirrored(direction, normal), point.facet_normal);
     Scatter {
         ambient: material.ambient * base * kept,

@@ -11,6 +11,7 @@ use glam::{Vec2, Vec3};
 use rayflock_geom::RayOrder;
 use rayflock_scene::Projection;
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use crate::View;
 use crate::shading::sampling::{PathSeed, subpixel};
@@ -31,6 +32,7 @@ pub(crate) fn camera_rays(
     sample_idx: u32,
     wave: &mut Wave,
 ) {
+    let _span = debug_span!("camera_rays").entered();
     let count = width * rows.len();
     wave.clear(0);
     wave.order = RayOrder::Image { width, height: rows.len(), tile: TILE };

@@ -11,6 +11,7 @@
 //! **Cost**: linear in the number of rays.
 
 use glam::Vec3;
+use tracing::debug_span;
 
 use crate::wave::{Path, Wave};
 
@@ -22,6 +23,7 @@ const CELLS: usize = SIDE * SIDE;
 
 /// Makes `wave` hold the rays of all `parts`, cell after cell, and within a cell in their order.
 pub(crate) fn group_rays<'a>(parts: impl Iterator<Item = &'a Wave> + Clone, wave: &mut Wave) {
+    let _span = debug_span!("group_rays").entered();
     // Where each cell begins.
     let mut starts = [0; CELLS];
     for part in parts.clone() {

@@ -5,10 +5,13 @@
 //! absorbed along the ray first (Beer-Lambert); a ray that leaves a transmitting solid without
 //! hitting its far side, because the mesh is open, is not absorbed.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use rayflock_geom::{HitBuffer, Ray, RayBatch};
 use rayflock_scene::{Background, Material};
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use super::RUN;
 use super::mirror_rays::mirror_ray;
@@ -52,15 +55,26 @@ pub(crate) fn shade_surface(
     hits: &HitBuffer,
     runs: &mut Vec<ShadedRun>,
 ) {
+    let _span = debug_span!("shade_surface").entered();
     let batch = wave.batch();
     runs.resize_with(wave.len().div_ceil(RUN).max(runs.len()), ShadedRun::default);
     runs.par_iter_mut().enumerate().for_each(|(run_idx, run)| {
         run.clear(wave.bounce);
         let start = (run_idx * RUN).min(wave.len());
-        for ray_idx in start..(start + RUN).min(wave.len()) {
+        let end = (start + RUN).min(wave.len());
+        run.pixels = pixels_of(&wave.paths[start..end]);
+        for ray_idx in start..end {
             shade_ray(surroundings, wave, &batch, hits, ray_idx, run);
         }
     });
+}
+
+/// From the first to the last pixel of `paths`.
+fn pixels_of(paths: &[Path]) -> Range<usize> {
+    let pixels = paths.iter().map(|path| path.pixel_idx as usize);
+    let (first, last) =
+        pixels.fold((usize::MAX, 0), |(first, last), pixel| (first.min(pixel), last.max(pixel)));
+    if paths.is_empty() { 0..0 } else { first..last + 1 }
 }
 
 fn shade_ray(

@@ -11,6 +11,7 @@ use glam::Vec3;
 use rayflock_geom::{Column, RayBatch, RayOrder};
 use rayflock_scene::LightKind;
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use crate::lights::emitters::Emitters;
 use crate::lights::incident::{Incident, incident};
@@ -34,16 +35,15 @@ pub(crate) enum ShadowTarget<'a> {
 
 /// Fills `wave` with a ray for each point of `runs` that the light may light.
 pub(crate) fn shadow_rays(target: ShadowTarget<'_>, runs: &mut [ShadedRun], wave: &mut ShadowWave) {
+    let _span = debug_span!("shadow_rays").entered();
     runs.par_iter_mut().for_each(|run| {
         run.shadow.clear();
+        run.lit.clear();
         for point in &run.points {
-            push_ray(target, point, &mut run.shadow);
+            push_ray(target, point, &mut run.shadow, &mut run.lit);
         }
     });
-    wave.clear();
-    for run in runs {
-        wave.extend(&run.shadow);
-    }
+    wave.join(runs);
 }
 
 /// The rays of `wave` as a question to an engine.
@@ -78,11 +78,16 @@ fn order_of(target: ShadowTarget<'_>) -> RayOrder {
     }
 }
 
-fn push_ray(target: ShadowTarget<'_>, point: &LitPoint, wave: &mut ShadowWave) {
+fn push_ray(
+    target: ShadowTarget<'_>,
+    point: &LitPoint,
+    wave: &mut ShadowWave,
+    lit: &mut Vec<Contribution>,
+) {
     match target {
         ShadowTarget::Light(light) => {
             let Some(incident) = incident(light, point.shadow_position) else { return };
-            if !push_contribution(point, &incident, 1.0, wave) {
+            if !push_contribution(point, &incident, 1.0, lit) {
                 return;
             }
             match light {
@@ -96,7 +101,7 @@ fn push_ray(target: ShadowTarget<'_>, point: &LitPoint, wave: &mut ShadowWave) {
             let random = point.seed.unit_cube(sample_idx);
             let Some(sample) = emitters.sample(point.shadow_position, random) else { return };
             let share = 1.0 / sample_count as f32;
-            if push_contribution(point, &sample.incident, share, wave) {
+            if push_contribution(point, &sample.incident, share, lit) {
                 wave.origins.push(point.shadow_position);
                 wave.directions.push(sample.source - point.shadow_position);
             }
@@ -109,7 +114,7 @@ fn push_contribution(
     point: &LitPoint,
     incident: &Incident,
     share: f32,
-    wave: &mut ShadowWave,
+    lit: &mut Vec<Contribution>,
 ) -> bool {
     let LitPoint { diffuse, specular, shininess, normal, to_viewer, .. } = *point;
     let sent_back = reflected(diffuse, specular, shininess, normal, to_viewer, incident.to_light);
@@ -117,6 +122,6 @@ fn push_contribution(
     if radiance == Vec3::ZERO {
         return false;
     }
-    wave.contributions.push(Contribution { pixel_idx: point.pixel_idx, radiance });
+    lit.push(Contribution { pixel_idx: point.pixel_idx, radiance });
     true
 }

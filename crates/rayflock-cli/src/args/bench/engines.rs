@@ -13,13 +13,13 @@ use crate::args::thread_count;
 pub(crate) struct EngineArguments {
     /// The engines, separated by commas, in the order of their turns.
     ///
-    /// Ours: brute, hierarchy. Others: embree:best (every setting is tried, the best one counts),
+    /// Ours: auto, brute, hierarchy, bvh. Others: embree:best (every setting is tried, the best one counts),
     /// embree:SETTING (such as embree:low+instances+packets+coherent), obvhs.
     #[arg(
         long,
         value_name = "NAMES",
         value_delimiter = ',',
-        default_value = "embree:best,hierarchy"
+        default_value = "embree:best,auto,hierarchy,bvh"
     )]
     pub(crate) engines: Vec<EngineSpec>,
 

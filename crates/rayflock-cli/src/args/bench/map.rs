@@ -6,6 +6,7 @@ use clap::Args;
 use rayflock_bench::work::{RayKind, parse_count};
 
 use super::{EngineArguments, OutputArguments};
+use crate::args::TraceArguments;
 
 const EXAMPLES: &str = "\
 What is measured:
@@ -62,4 +63,8 @@ pub(crate) struct BenchMapArguments {
     /// Where the record goes.
     #[command(flatten)]
     pub(crate) output: OutputArguments,
+
+    /// Where the profile goes.
+    #[command(flatten)]
+    pub(crate) trace: TraceArguments,
 }

@@ -4,7 +4,7 @@ use clap::Args;
 use rayflock::import::UpAxis;
 
 use super::{EngineArguments, OutputArguments};
-use crate::args::InputArguments;
+use crate::args::{InputArguments, TraceArguments};
 use crate::frames::FrameRange;
 use crate::size::Size;
 
@@ -62,6 +62,10 @@ pub(crate) struct BenchMuseumArguments {
     /// Where the record goes.
     #[command(flatten)]
     pub(crate) output: OutputArguments,
+
+    /// Where the profile goes.
+    #[command(flatten)]
+    pub(crate) trace: TraceArguments,
 }
 
 impl BenchMuseumArguments {

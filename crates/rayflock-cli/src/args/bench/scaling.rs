@@ -4,6 +4,7 @@ use clap::Args;
 use rayflock_bench::work::{RayKind, parse_count};
 
 use super::{EngineArguments, OutputArguments};
+use crate::args::TraceArguments;
 
 const EXAMPLES: &str = "\
 What is measured:
@@ -61,4 +62,8 @@ pub(crate) struct BenchScalingArguments {
     /// Where the record goes.
     #[command(flatten)]
     pub(crate) output: OutputArguments,
+
+    /// Where the profile goes.
+    #[command(flatten)]
+    pub(crate) trace: TraceArguments,
 }

@@ -4,7 +4,7 @@ use clap::Args;
 use rayflock_bench::work::RayKind;
 
 use super::{EngineArguments, OutputArguments};
-use crate::args::InputArguments;
+use crate::args::{InputArguments, TraceArguments};
 use crate::frames::FrameRange;
 use crate::size::Size;
 
@@ -66,4 +66,8 @@ pub(crate) struct BenchSceneArguments {
     /// Where the record goes.
     #[command(flatten)]
     pub(crate) output: OutputArguments,
+
+    /// Where the profile goes.
+    #[command(flatten)]
+    pub(crate) trace: TraceArguments,
 }

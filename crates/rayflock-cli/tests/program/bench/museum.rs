@@ -66,7 +66,7 @@ fn bench_museum_measures_a_few_frames_of_the_whole_motion() {
 fn bench_museum_names_what_is_wrong() {
     let work = Workplace::new();
     let cases = [
-        ("builtin:cornell --engines brute,warp", "unknown engine \"warp\"; there are: brute"),
+        ("builtin:cornell --engines brute,warp", "unknown engine \"warp\"; there are: auto, brute"),
         ("builtin:cornell --engines brute,", "unknown engine \"\""),
         ("builtin:cornell --runs 0", "0 is not in 1..=10000"),
         ("builtin:teapot", "no built-in scene is called \"teapot\""),

@@ -1,0 +1,142 @@
+//! What engines take: the shipped figures, corrected by what recent frames took.
+//!
+//! For each kind of situation and member stands the ratio of measured to shipped time. A situation
+//! that was never met takes the mean ratio of the member, a little less: an engine that might be
+//! the best is tried once. A ratio that is not measured again sinks slowly, so that one bad moment
+//! of the machine does not rule an engine out for good.
+//!
+//! **Cost.** A search in a table of the situations met; memory grows with their kinds only.
+
+use std::collections::BTreeMap;
+
+use super::member::MEMBERS;
+use super::prior;
+use super::situation::{Frame, Situation, SituationKey};
+
+/// How eager the model is to try what it does not know.
+const OPTIMISM: f32 = 0.8;
+
+/// How far one measurement moves a ratio.
+const STEP: f32 = 0.3;
+
+/// No measurement counts for more than this many times what was known before.
+const WORST_SURPRISE: f32 = 2.0;
+
+/// What a ratio sinks to, each time that another member was asked.
+const SINKING: f32 = 0.997;
+
+/// Measured over shipped time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Ratio(Option<f32>);
+
+impl Ratio {
+    fn learn(&mut self, measured: f32) {
+        self.0 = Some(match self.0 {
+            Some(known) => known + STEP * (measured.min(WORST_SURPRISE * known) - known),
+            None => measured,
+        });
+    }
+
+    fn sink(&mut self) {
+        self.0 = self.0.map(|known| known * SINKING);
+    }
+}
+
+/// One ratio a member.
+type Ratios = [Ratio; MEMBERS.len()];
+
+/// See the [module](self).
+#[derive(Clone, Debug, Default)]
+pub(super) struct CostModel {
+    /// By situation, and by whether it was the member's first batch of the frame.
+    traces: BTreeMap<(SituationKey, bool), Ratios>,
+    commits: Ratios,
+    /// Over all situations.
+    overall: Ratios,
+}
+
+impl CostModel {
+    /// Nanoseconds that a member is expected to take for a batch; `is_fresh` when it is the first
+    /// after a commit.
+    pub(super) fn trace_ns(&self, member_idx: usize, situation: &Situation, is_fresh: bool) -> f32 {
+        let known = self.traces.get(&(situation.key(), is_fresh));
+        let ratio = known.and_then(|ratios| ratios[member_idx].0);
+        let ratio = ratio.unwrap_or_else(|| OPTIMISM * self.overall[member_idx].0.unwrap_or(1.0));
+        ratio * prior::trace_ns(MEMBERS[member_idx], situation, is_fresh)
+    }
+
+    /// Nanoseconds that a member is expected to take for a commit.
+    pub(super) fn commit_ns(&self, member_idx: usize, frame: &Frame) -> f32 {
+        self.commits[member_idx].0.unwrap_or(1.0) * prior::commit_ns(frame)
+    }
+
+    /// Takes note of what a batch took.
+    pub(super) fn learn(
+        &mut self,
+        member_idx: usize,
+        situation: &Situation,
+        is_fresh: bool,
+        took_ns: f32,
+    ) {
+        let measured = took_ns / prior::trace_ns(MEMBERS[member_idx], situation, is_fresh);
+        self.overall[member_idx].learn(measured);
+        let ratios = self.traces.entry((situation.key(), is_fresh)).or_default();
+        for (idx, ratio) in ratios.iter_mut().enumerate() {
+            if idx == member_idx { ratio.learn(measured) } else { ratio.sink() }
+        }
+    }
+
+    /// Takes note of what a commit took.
+    pub(super) fn learn_commit(&mut self, member_idx: usize, frame: &Frame, took_ns: f32) {
+        self.commits[member_idx].learn(took_ns / prior::commit_ns(frame));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::situation::RayClass;
+    use super::*;
+    use crate::packet::Question;
+
+    fn situation(ray_count: usize, class: RayClass) -> Situation {
+        let frame = Frame { prim_count: 1000, changed_count: 1000 };
+        Situation { class, question: Question::Closest, ray_count, frame }
+    }
+
+    #[test]
+    fn what_was_measured_counts_for_sizes_alike() {
+        let mut model = CostModel::default();
+        let here = situation(4096, RayClass::Unordered);
+        model.learn(0, &here, true, 5e6);
+        assert_eq!(model.trace_ns(0, &here, true), 5e6);
+        let alike = model.trace_ns(0, &situation(6000, RayClass::Unordered), true);
+        assert!((5e6..10e6).contains(&alike), "{alike}");
+        let other = model.trace_ns(0, &situation(4096, RayClass::SharedOrigin), true);
+        let prior = prior::trace_ns(MEMBERS[0], &situation(4096, RayClass::SharedOrigin), true);
+        let overall = 5e6 / prior::trace_ns(MEMBERS[0], &here, true);
+        assert!((other / (OPTIMISM * overall * prior) - 1.0).abs() < 1e-5, "{other}");
+    }
+
+    #[test]
+    fn one_bad_moment_moves_little_and_is_forgotten() {
+        let mut model = CostModel::default();
+        let here = situation(4096, RayClass::Unordered);
+        model.learn(0, &here, true, 1e6);
+        model.learn(0, &here, true, 1e9);
+        assert!(model.trace_ns(0, &here, true) < 1.5e6);
+        for _ in 0..400 {
+            model.learn(1, &here, true, 1.2e6);
+        }
+        assert!(model.trace_ns(0, &here, true) < 1e6, "another try must come");
+    }
+
+    #[test]
+    fn a_lasting_change_is_learnt() {
+        let mut model = CostModel::default();
+        let here = situation(4096, RayClass::Ordered);
+        for took_ns in std::iter::once(1e6).chain(std::iter::repeat_n(3e6, 20)) {
+            model.learn(0, &here, false, took_ns);
+        }
+        assert!((model.trace_ns(0, &here, false) / 3e6 - 1.0).abs() < 0.1);
+    }
+}
