@@ -3,7 +3,7 @@
 //! ```text
 //!   parts        objects that rest go to a kept tree, objects that change to a fresh one
 //!   sort_slots   primitives along a Hilbert curve
-//!   build_tree   sixteen primitives a leaf, sixteen leaves a node, sixteen nodes a node ...
+//!   build_tree   (read_corners) sixteen primitives a leaf, sixteen leaves a node, sixteen nodes a node ...
 //!   ray_block    some thousand rays, prepared for boxes and for triangles
 //!   trace_block  lists of rays go down: a ray against sixteen boxes, then against sixteen triangles
 //!   answer       hand the hits over
@@ -28,6 +28,7 @@ mod build_tree;
 mod config;
 mod parts;
 mod ray_block;
+mod read_corners;
 mod sort_slots;
 mod trace_block;
 mod tree;
@@ -61,6 +62,8 @@ pub struct BvhEngine {
     wanted: Wanted,
     kept: Tree,
     fresh: Tree,
+    /// Whether the fresh tree holds the objects of this frame; built when a first batch comes.
+    fresh_is_built: bool,
     nearest: Vec<Nearest>,
     /// Memory of tasks that are not running.
     scratch: Mutex<Vec<BlockTracer>>,
@@ -72,16 +75,22 @@ impl BvhEngine {
         Self { config, table: PrimitiveTable::new(config.simd), ..Self::default() }
     }
 
-    /// Builds the kept tree if its objects changed, and the fresh one.
-    fn build(&mut self) {
-        let change = self.parts.divide(self.table.geometry(), self.table.spans());
-        let (level, places) = (self.config.simd, self.parts.places());
-        if change == KeptChange::Build {
-            self.wanted.list(&self.table, places, |place| place == Place::Kept);
-            self.builder.build(level, &self.table, &self.wanted, &mut self.kept);
+    /// Builds the kept tree if its objects changed.
+    fn build_kept(&mut self) {
+        self.fresh_is_built = false;
+        if self.parts.divide(self.table.geometry(), self.table.spans()) == KeptChange::Build {
+            self.wanted.list(&self.table, self.parts.places(), |place| place == Place::Kept);
+            self.builder.build(self.config.simd, &self.table, &self.wanted, &mut self.kept);
         }
-        self.wanted.list(&self.table, places, |place| place != Place::Kept);
-        self.builder.build(level, &self.table, &self.wanted, &mut self.fresh);
+    }
+
+    /// Builds the fresh tree, once a frame.
+    fn build_fresh(&mut self) {
+        if !self.fresh_is_built {
+            self.fresh_is_built = true;
+            self.wanted.list(&self.table, self.parts.places(), |place| place != Place::Kept);
+            self.builder.build(self.config.simd, &self.table, &self.wanted, &mut self.fresh);
+        }
     }
 
     /// The box around everything in the trees.
@@ -100,6 +109,10 @@ impl BvhEngine {
         question: Question,
         t_bound: &(impl Fn(usize) -> f32 + Sync),
     ) -> TraceStats {
+        if rays.is_empty() {
+            return TraceStats::default();
+        }
+        self.build_fresh();
         self.nearest.clear();
         self.nearest.resize(rays.len(), Nearest::NONE);
         let asked = BlockQuestion {
@@ -197,7 +210,7 @@ impl RayEngine for BvhEngine {
         changes: &FrameChanges,
     ) -> Result<CommitStats, EngineError> {
         let stats = self.table.commit(geometry, changes);
-        self.build();
+        self.build_kept();
         Ok(stats)
     }
 

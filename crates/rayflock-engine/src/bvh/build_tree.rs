@@ -5,6 +5,7 @@ use rayflock_geom::simd::triangle_boxes::{around_spheres, around_triangles};
 use rayflock_geom::simd::{LANES, Simd, SimdLevel, dispatch};
 use rayon::prelude::*;
 
+use super::read_corners::CornerReader;
 use super::sort_slots::{SlotSorter, WantedLanes};
 use super::tree::{OtherLeaf, Tree, TriangleLeaf};
 use crate::primitives::PrimitiveTable;
@@ -72,9 +73,10 @@ impl LeafWriter<'_> {
         let tasks = leaves.par_chunks_mut(LANES).zip(nodes).enumerate();
         tasks.with_min_len(NODES_PER_TASK).for_each(|(node_idx, (leaves, node))| {
             dispatch!(self.level.level(), simd => {
+                let mut reader = CornerReader::new(self.table);
                 for (lane, leaf) in leaves.iter_mut().enumerate() {
                     let first = (node_idx * LANES + lane) * LANES;
-                    self.gather(sorter, first, leaf);
+                    self.gather(sorter, first, &mut reader, leaf);
                     node.set(lane, &around_triangles(simd, &leaf.triangles));
                 }
             });
@@ -84,11 +86,17 @@ impl LeafWriter<'_> {
 
     /// Copies sixteen triangles in order; where fewer are left, the first again but out of sight.
     #[inline(always)]
-    fn gather(&self, sorter: &SlotSorter, first: usize, leaf: &mut TriangleLeaf) {
+    fn gather(
+        &self,
+        sorter: &SlotSorter,
+        first: usize,
+        reader: &mut CornerReader<'_>,
+        leaf: &mut TriangleLeaf,
+    ) {
         let count = (sorter.len() - first).min(LANES);
         for lane in 0..LANES {
             let slot = sorter.slot(first + if lane < count { lane } else { 0 });
-            leaf.triangles.set(lane, self.table.triangle(slot));
+            leaf.triangles.set(lane, reader.read(slot));
             leaf.masks[lane] = if lane < count { self.table.mask(slot) } else { 0 };
             leaf.ranks[lane] = self.table.rank(slot);
         }

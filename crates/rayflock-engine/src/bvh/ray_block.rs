@@ -8,26 +8,38 @@ use rayflock_geom::{Ray, RayBatch, RayState};
 use crate::TraceStats;
 use crate::packet::{Nearest, Question};
 
-/// Directions with the same signs.
-pub(super) const OCTANTS: usize = 8;
+/// Faces of a cube. Rays with directions through the same face share the axes kx, ky, kz of the
+/// accepting test, and go about the same way.
+pub(super) const FACES: usize = 6;
 
-/// The axes kx, ky, kz by the last of them.
-const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+/// The axes kx, ky, kz of a face.
+pub(super) const fn face_axes(face: usize) -> [usize; 3] {
+    match face / 2 {
+        0 => [1, 2, 0],
+        1 => [2, 0, 1],
+        _ => [0, 1, 2],
+    }
+}
+
+/// Whether directions through a face go along the axis, not against it.
+pub(super) const fn goes_along(face: usize) -> bool {
+    face % 2 == 0
+}
 
 /// All that boxes and triangles need to know about a ray: one line of the cache, for rays are read
 /// far more often than anything else here.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct StreamRay {
+    /// In the order kx, ky, kz.
     pub(super) origin: Vec3,
+    /// In the same order.
     pub(super) box_ray: BoxRay,
     /// As in [`ShearedRay`].
-    shear: [f32; 3],
-    t_min: f32,
-    /// The nearest hit so far.
+    pub(super) shear: [f32; 3],
+    pub(super) t_min: f32,
+    /// The nearest hit so far; minus infinity when the ray looks nowhere any more.
     pub(super) t_max: f32,
-    /// The axis kz.
-    major: u32,
     /// Which objects the ray sees.
     pub(super) mask: u32,
 }
@@ -40,39 +52,27 @@ impl StreamRay {
         shear: [0.0, 0.0, 1.0],
         t_min: f32::INFINITY,
         t_max: f32::NEG_INFINITY,
-        major: 2,
         mask: 0,
     };
 
+    /// Prepares an active ray; also tells the face of its direction.
     #[inline(always)]
-    fn new(ray: &Ray, bounds: &BoxBounds, slack: f32) -> Self {
-        let sheared = ShearedRay::new(ray);
-        Self {
-            origin: ray.origin,
-            box_ray: BoxRay::new(ray, bounds, slack),
-            shear: sheared.shear,
+    fn new(ray: &Ray, bounds: &BoxBounds, slack: f32) -> (Self, usize) {
+        let ShearedRay { axes, shear, .. } = ShearedRay::new(ray);
+        let prepared = Self {
+            origin: axes.map(|axis| ray.origin[axis]).into(),
+            box_ray: BoxRay::new(ray, axes, bounds, slack),
+            shear,
             t_min: ray.t_min,
             t_max: ray.t_max,
-            major: sheared.axes[2] as u32,
             mask: ray.mask,
-        }
-    }
-
-    /// The ray as the accepting test needs it.
-    #[inline(always)]
-    pub(super) fn sheared(&self) -> ShearedRay {
-        ShearedRay {
-            origin: self.origin,
-            axes: AXES[self.major as usize % 3],
-            shear: self.shear,
-            t_min: self.t_min,
-            t_max: self.t_max,
-        }
+        };
+        (prepared, 2 * axes[2] + usize::from(shear[2] < 0.0))
     }
 
     /// Makes the ray look no farther than `t`.
     #[inline(always)]
-    pub(super) fn set_t_max(&mut self, t: f32) {
+    fn set_t_max(&mut self, t: f32) {
         self.t_max = t;
         // The largest coordinate of the direction is that along kz.
         self.box_ray.set_t_max(t, self.shear[2].abs());
@@ -91,8 +91,8 @@ pub(super) struct RayBlock {
     /// Position in the batch of the first ray.
     pub(super) first_ray: usize,
     pub(super) rays: Vec<StreamRay>,
-    /// The active rays by the octant of their direction, as positions in the block.
-    pub(super) octants: [Vec<u32>; OCTANTS],
+    /// The active rays by the face of their direction, as positions in the block.
+    pub(super) faces: [Vec<u32>; FACES],
 }
 
 impl RayBlock {
@@ -110,15 +110,16 @@ impl RayBlock {
     ) -> TraceStats {
         let mut stats = TraceStats { rays: len as u64, ..TraceStats::default() };
         self.first_ray = first_ray;
-        self.octants.iter_mut().for_each(Vec::clear);
+        self.faces.iter_mut().for_each(Vec::clear);
         self.rays.resize(len, StreamRay::EMPTY);
         for (idx, place) in self.rays.iter_mut().enumerate() {
             let ray = batch.ray(first_ray + idx);
             match ray.state() {
                 RayState::Active => {
                     let t_max = ray.t_max.min(t_bound(first_ray + idx));
-                    *place = StreamRay::new(&Ray { t_max, ..ray }, bounds, slack);
-                    self.octants[octant(ray.direction)].push(idx as u32);
+                    let (ray, face) = StreamRay::new(&Ray { t_max, ..ray }, bounds, slack);
+                    *place = ray;
+                    self.faces[face].push(idx as u32);
                 }
                 RayState::Inactive => {}
                 RayState::Invalid => stats.invalid_rays += 1,
@@ -138,18 +139,7 @@ impl RayBlock {
 
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
-        self.rays.capacity() * size_of::<StreamRay>() + self.octants.iter().map(Vec::capacity).sum::<usize>() * size_of::<u32>()
+        self.rays.capacity() * size_of::<StreamRay>()
+            + self.faces.iter().map(Vec::capacity).sum::<usize>() * size_of::<u32>()
     }
-}
-
-/// The octant of a direction: one bit an axis, set where it is negative.
-#[inline(always)]
-fn octant(direction: Vec3) -> usize {
-    direction.is_negative_bitmask() as usize
-}
-
-/// A direction in the middle of an octant.
-pub(super) fn octant_direction(octant: usize) -> Vec3 {
-    let sign = |axis: usize| if octant & (1 << axis) == 0 { 1.0 } else { -1.0 };
-    Vec3::new(sign(0), sign(1), sign(2))
 }

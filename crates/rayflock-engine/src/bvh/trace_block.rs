@@ -9,13 +9,12 @@
 //! Lists lie in one stack: a node's below those of its children. Children are visited from near
 //! to far along the first ray of the list, so that hits shorten rays early.
 
-use glam::Vec3;
-use rayflock_geom::simd::ray_boxes::{BoxBlock, crosses};
-use rayflock_geom::simd::ray_triangle::intersect_block;
+use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxLanes, crosses};
+use rayflock_geom::simd::ray_triangle::{AlignedBlock, intersect_aligned};
 use rayflock_geom::simd::{LANES, Simd, SimdBase, SimdMask, mask32x16, u32x16};
 use rayflock_geom::{Ray, RayBatch};
 
-use super::ray_block::{OCTANTS, RayBlock, octant_direction};
+use super::ray_block::{FACES, RayBlock, face_axes, goes_along};
 use super::tree::{Child, Tree, TriangleLeaf};
 use crate::TraceStats;
 use crate::packet::{Nearest, Question, TracePacket};
@@ -74,19 +73,18 @@ impl BlockTracer {
         nearest: &mut [Nearest],
         stats: &mut TraceStats,
     ) {
-        for octant in 0..OCTANTS {
-            let len = self.rays.octants[octant].len();
+        for face in 0..FACES {
+            let len = self.rays.faces[face].len();
             for tree in asked.trees {
                 if len == 0 || tree.is_empty() {
                     continue;
                 }
                 self.lists.clear();
-                self.lists.extend_from_slice(&self.rays.octants[octant]);
+                self.lists.extend_from_slice(&self.rays.faces[face]);
                 self.lists.resize(len.next_multiple_of(LANES), 0);
                 let child = Child::Node(tree.level_count() - 1, 0);
                 self.visits.push(Visit { child, first: 0, len });
-                let direction = octant_direction(octant);
-                self.trace_tree(simd, asked, tree, direction, nearest, stats);
+                self.trace_tree(simd, asked, tree, face, nearest, stats);
             }
         }
     }
@@ -97,18 +95,19 @@ impl BlockTracer {
         simd: S,
         asked: &BlockQuestion<'_>,
         tree: &Tree,
-        direction: Vec3,
+        face: usize,
         nearest: &mut [Nearest],
         stats: &mut TraceStats,
     ) {
         while let Some(visit) = self.visits.pop() {
             match visit.child {
                 Child::Node(level, node_idx) => {
-                    self.visit_node(simd, tree, [level, node_idx], visit, direction, stats);
+                    self.visit_node(simd, tree, [level, node_idx], face, visit, stats);
                 }
                 Child::Triangles(leaf_idx) => {
                     let leaf = &tree.triangle_leaves[leaf_idx];
-                    self.test_triangles(simd, leaf, visit, asked.question, nearest, stats);
+                    let asked = (face, asked.question);
+                    self.test_triangles(simd, leaf, asked, visit, nearest, stats);
                 }
                 Child::Others(leaf_idx) => {
                     let leaf = &tree.other_leaves[leaf_idx];
@@ -126,42 +125,24 @@ impl BlockTracer {
         simd: S,
         tree: &Tree,
         [level, node_idx]: [usize; 2],
+        face: usize,
         visit: Visit,
-        direction: Vec3,
         stats: &mut TraceStats,
     ) {
         let boxes = tree.boxes(level, node_idx);
-        let any = self.cross(simd, boxes, visit);
+        let any = self.cross(simd, &boxes.load(simd, face_axes(face)), visit);
         let child_count = tree.child_count(level, node_idx);
         let any = any & (u32::MAX >> (32 - child_count));
         stats.box_tests += (visit.len * LANES) as u64;
         stats.bytes += size_of_val(boxes) as u64;
 
         // Whoever is visited first lies on top of the stack.
-        let mut order = [0_u64; LANES];
-        let mut count = 0;
-        let along = boxes.along(simd, direction);
-        let mut remaining = any;
-        while remaining != 0 {
-            let lane = remaining.trailing_zeros();
-            remaining &= remaining - 1;
-            let bits = along[lane as usize].to_bits();
-            let key = if bits >> 31 == 0 { bits | (1 << 31) } else { !bits };
-            let key = (u64::from(!key) << 32) | u64::from(lane);
-            let mut place = count;
-            while place > 0 && order[place - 1] > key {
-                order[place] = order[place - 1];
-                place -= 1;
-            }
-            order[place] = key;
-            count += 1;
-        }
+        let order = far_to_near(boxes, face, any);
         let mut top = visit.first + visit.len.next_multiple_of(LANES);
         let before = top;
-        for &key in &order[..count] {
-            let lane = key as u32;
+        for lane in order {
             let len = self.append_list(simd, visit, lane, top);
-            let child = tree.child(level, node_idx, lane as usize);
+            let child = tree.child(level, node_idx, lane);
             self.visits.push(Visit { child, first: top, len });
             top += len;
         }
@@ -171,8 +152,7 @@ impl BlockTracer {
 
     /// Which children each ray of a list crosses; returns those that any does.
     #[inline(always)]
-    fn cross<S: Simd>(&mut self, simd: S, boxes: &BoxBlock, visit: Visit) -> u32 {
-        let boxes = boxes.load(simd);
+    fn cross<S: Simd>(&mut self, simd: S, boxes: &BoxLanes<S>, visit: Visit) -> u32 {
         let padded = visit.len.next_multiple_of(LANES);
         if self.crossed.len() < padded {
             self.crossed.resize(padded, 0);
@@ -181,7 +161,7 @@ impl BlockTracer {
         let list = &self.lists[visit.first..visit.first + visit.len];
         for (&ray_idx, crossed) in list.iter().zip(&mut self.crossed) {
             let ray = &self.rays.rays[ray_idx as usize];
-            let bits = crosses(simd, ray.origin, &ray.box_ray, &boxes).to_bitmask() as u32;
+            let bits = crosses(simd, ray.origin, &ray.box_ray, boxes).to_bitmask() as u32;
             *crossed = bits;
             any |= bits;
         }
@@ -191,7 +171,7 @@ impl BlockTracer {
 
     /// Writes the list of one child from `top` on; returns its length.
     #[inline(always)]
-    fn append_list<S: Simd>(&mut self, simd: S, visit: Visit, lane: u32, top: usize) -> usize {
+    fn append_list<S: Simd>(&mut self, simd: S, visit: Visit, lane: usize, top: usize) -> usize {
         let padded = visit.len.next_multiple_of(LANES);
         if self.lists.len() < top + padded + LANES {
             self.lists.resize(top + padded + LANES, 0);
@@ -216,15 +196,16 @@ impl BlockTracer {
         &mut self,
         simd: S,
         leaf: &TriangleLeaf,
+        (face, question): (usize, Question),
         visit: Visit,
-        question: Question,
         nearest: &mut [Nearest],
         stats: &mut TraceStats,
     ) {
         let masks = u32x16::from_slice(simd, &leaf.masks);
+        let triangles = AlignedBlock::load(simd, &leaf.triangles, face_axes(face));
         let mut test_count = 0;
-        for place in visit.first..visit.first + visit.len {
-            let idx = self.lists[place] as usize;
+        for &idx in &self.lists[visit.first..visit.first + visit.len] {
+            let idx = idx as usize;
             let ray = &self.rays.rays[idx];
             if ray.is_done() {
                 continue;
@@ -232,14 +213,15 @@ impl BlockTracer {
             test_count += 1;
             let seen = masks & u32x16::splat(simd, ray.mask);
             let active: mask32x16<S> = !seen.simd_eq(u32x16::splat(simd, 0));
-            let hits = intersect_block(simd, &ray.sheared(), &leaf.triangles, active);
+            let interval = [ray.t_min, ray.t_max];
+            let hits = intersect_aligned(simd, ray.origin, ray.shear, interval, &triangles, active);
             if hits.accepted.any_true() {
                 nearest[idx].offer_lanes(&hits, &leaf.ranks);
                 self.rays.shorten(idx, &nearest[idx], question);
             }
         }
-        stats.triangle_tests += test_count * LANES as u64;
-        stats.bytes += test_count * LANES as u64 * TRIANGLE_BYTES;
+        stats.triangle_tests += (test_count * LANES) as u64;
+        stats.bytes += (test_count * LANES) as u64 * TRIANGLE_BYTES;
     }
 
     /// Sixteen rays of a list at a time against each primitive of a leaf.
@@ -289,4 +271,26 @@ impl BlockTracer {
             + (self.lists.capacity() + self.crossed.capacity()) * size_of::<u32>()
             + self.visits.capacity() * size_of::<Visit>()
     }
+}
+
+/// The children in `lanes` from the farthest to the nearest, for directions through a face.
+#[inline(always)]
+fn far_to_near(boxes: &BoxBlock, face: usize, lanes: u32) -> impl Iterator<Item = usize> {
+    let [.., kz] = face_axes(face);
+    let along = if goes_along(face) { -1.0 } else { 1.0 };
+    let mut order = [(0.0, 0); LANES];
+    let (mut count, mut remaining) = (0, lanes);
+    while remaining != 0 {
+        let lane = remaining.trailing_zeros() as usize;
+        remaining &= remaining - 1;
+        let place = along * boxes.center[kz][lane];
+        let mut idx = count;
+        while idx > 0 && order[idx - 1].0 > place {
+            order[idx] = order[idx - 1];
+            idx -= 1;
+        }
+        order[idx] = (place, lane);
+        count += 1;
+    }
+    order.into_iter().take(count).map(|(_, lane)| lane)
 }

@@ -18,6 +18,17 @@ pub(super) fn load_axes<S: Simd>(simd: S, columns: &[Lanes; 3]) -> Axes<S> {
     [load(simd, &columns[0]), load(simd, &columns[1]), load(simd, &columns[2])]
 }
 
+/// Three columns as vectors, in another order.
+#[inline(always)]
+pub(super) fn load_ordered_axes<S: Simd>(
+    simd: S,
+    columns: &[Lanes; 3],
+    [first, second, third]: [usize; 3],
+) -> Axes<S> {
+    let load = f32x16::from_slice;
+    [load(simd, &columns[first]), load(simd, &columns[second]), load(simd, &columns[third])]
+}
+
 /// Writes three vectors as columns.
 #[inline(always)]
 pub(super) fn store_axes<S: Simd>(axes: &Axes<S>, columns: &mut [Lanes; 3]) {

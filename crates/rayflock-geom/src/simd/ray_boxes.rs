@@ -17,18 +17,18 @@
 //! **Invariants.** Let a hit be accepted at `t`, on a primitive whose box has been enlarged as in
 //! [`triangle_boxes`](super::triangle_boxes). Then the ray's exact point at `t` lies within
 //! `PERTURBATION * farthest` of the box: 16 rounding units (2^-24) of `farthest`. Rounding adds at
-//! most 4 units for the box's centre and half size, 5 for the two planes, one each for the
+//! most 4 units for the box's centre and half size, 6 for the two planes, one each for the
 //! direction and `t`; a direction's coordinate below [`THINNEST`] is replaced by that, which moves
 //! a point by a fraction of a unit. The margin is [`SLACK`](super::cone_sphere::SLACK): 64 units.
 //! A ray for which all this could overflow gets an infinite margin and crosses everything, NaN
 //! included.
 //!
-//! **Cost.** 25 operations for sixteen boxes.
+//! **Cost.** 28 operations for sixteen boxes.
 
 use glam::Vec3;
 
-use super::axes::{dot, load_axes, splat_axes};
-use super::{Lanes, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
+use super::axes::load_ordered_axes;
+use super::{Lanes, Simd, SimdBase, f32x16, mask32x16};
 use crate::Ray;
 
 /// Coordinates of a scaled direction below this are taken for it, so that quotients are finite.
@@ -37,6 +37,9 @@ const THINNEST: f32 = 1.0 / (1 << 30) as f32;
 /// Rays from which something is farther away than this cross every box: 2^30 times it is still
 /// finite.
 const LARGEST_DISTANCE: f32 = 1e27;
+
+/// Rays with directions smaller than this cross every box: 2^-30 times it has all its digits.
+const SMALLEST_SIZE: f32 = 1e-28;
 
 /// More than what products can lose to underflow.
 const UNDERFLOW: f32 = 1e-36;
@@ -84,25 +87,19 @@ impl BoxBlock {
         Vec3::new(self.center[0][lane], self.center[1][lane], self.center[2][lane])
     }
 
-    /// How far each box's centre lies along a direction, in multiples of its length.
+    /// The sixteen boxes as vectors, for rays that have their coordinates in the order of `axes`.
     #[inline(always)]
-    pub fn along<S: Simd>(&self, simd: S, direction: Vec3) -> Lanes {
-        *dot(load_axes(simd, &self.center), splat_axes(simd, direction))
-    }
-
-    /// The sixteen boxes as vectors.
-    #[inline(always)]
-    pub fn load<S: Simd>(&self, simd: S) -> BoxLanes<S> {
+    pub fn load<S: Simd>(&self, simd: S, axes: [usize; 3]) -> BoxLanes<S> {
         BoxLanes {
-            center: load_axes(simd, &self.center),
-            half_size: load_axes(simd, &self.half_size),
+            center: load_ordered_axes(simd, &self.center, axes),
+            half_size: load_ordered_axes(simd, &self.half_size, axes),
         }
     }
 
     /// The box around all sixteen.
     #[inline(always)]
     pub fn around<S: Simd>(&self, simd: S) -> BoxBounds {
-        let BoxLanes { center: c, half_size: h } = self.load(simd);
+        let BoxLanes { center: c, half_size: h } = self.load(simd, [0, 1, 2]);
         let min = [c[0] - h[0], c[1] - h[1], c[2] - h[2]];
         let max = [c[0] + h[0], c[1] + h[1], c[2] + h[2]];
         BoxBounds::around_lanes(min, max)
@@ -171,18 +168,19 @@ impl BoxRay {
     pub const EMPTY: Self =
         Self { inverse: [1.0; 3], margin: 0.0, t_min: f32::INFINITY, t_max: f32::NEG_INFINITY };
 
-    /// Prepares an active ray for boxes within `bounds`. `slack` is relative to the distances at
-    /// hand, at least [`SLACK`](super::cone_sphere::SLACK).
+    /// Prepares an active ray for boxes within `bounds`; its coordinates, here and in [`crosses`],
+    /// are those of `axes` in their order. `slack` is relative to the distances at hand, at least
+    /// [`SLACK`](super::cone_sphere::SLACK).
     #[inline(always)]
-    pub fn new(ray: &Ray, bounds: &BoxBounds, slack: f32) -> Self {
+    pub fn new(ray: &Ray, axes: [usize; 3], bounds: &BoxBounds, slack: f32) -> Self {
         let size = Self::size(ray.direction);
-        let direction = ray.direction / size;
-        let thick = direction.abs().max(Vec3::splat(THINNEST)).copysign(direction);
+        let thick = ray.direction.abs().max(Vec3::splat(THINNEST * size)).copysign(ray.direction);
         let farthest = ((bounds.center - ray.origin).abs() + bounds.half_size).max_element();
         let margin = slack * farthest + (UNDERFLOW + COARSEST_T * size);
-        let in_range = farthest <= LARGEST_DISTANCE;
+        let in_range = farthest <= LARGEST_DISTANCE && size >= SMALLEST_SIZE;
+        let inverse = size / thick;
         Self {
-            inverse: if in_range { thick.recip().to_array() } else { [1.0; 3] },
+            inverse: axes.map(|axis| if in_range { inverse[axis] } else { 1.0 }),
             margin: if in_range { margin } else { f32::INFINITY },
             t_min: ray.t_min * size,
             t_max: ray.t_max * size,
@@ -232,8 +230,9 @@ fn slab<S: Simd>(
     let inverse = f32x16::splat(simd, ray.inverse[axis]);
     let middle = (boxes.center[axis] - f32x16::splat(simd, origin[axis])) * inverse;
     let half_size = boxes.half_size[axis] + f32x16::splat(simd, ray.margin);
-    let length = inverse.abs();
-    [(-half_size).mul_add(length, middle), half_size.mul_add(length, middle)]
+    // Multiply once and add: multiply-adds wait for the same units as minima and maxima.
+    let reach = half_size * inverse.abs();
+    [middle - reach, middle + reach]
 }
 
 #[cfg(test)]

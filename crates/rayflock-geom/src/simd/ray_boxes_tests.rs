@@ -60,9 +60,11 @@ fn crossed(ray: &Ray, content: Content, room: &BoxBounds) -> Vec<bool> {
             parent.set(0, &bounds);
             parent.pad(1);
             parent.set(LANE, &parent.around(simd));
-            let prepared = BoxRay::new(ray, &bounds.union(room), SLACK);
+            let axes = [1, 2, 0];
+            let origin = Vec3::from(axes.map(|axis| ray.origin[axis]));
+            let prepared = BoxRay::new(ray, axes, &bounds.union(room), SLACK);
             let is_crossed = |block: &BoxBlock| {
-                crosses(simd, ray.origin, &prepared, &block.load(simd)).test(LANE)
+                crosses(simd, origin, &prepared, &block.load(simd, axes)).test(LANE)
             };
             is_crossed(&block) && is_crossed(&parent)
         })
@@ -219,10 +221,11 @@ fn a_ray_cut_short_crosses_what_lies_nearer() {
     block.set(0, &bounds);
     block.pad(1);
     let ray = Ray::new(Vec3::ZERO, 0.5 * Vec3::Z);
-    let mut prepared = BoxRay::new(&ray, &bounds, SLACK);
+    let axes = [0, 1, 2];
+    let mut prepared = BoxRay::new(&ray, axes, &bounds, SLACK);
     let count = |prepared: &BoxRay| {
         dispatch!(SimdLevel::best().level(), simd => {
-            let crossed = crosses(simd, ray.origin, prepared, &block.load(simd));
+            let crossed = crosses(simd, ray.origin, prepared, &block.load(simd, axes));
             crossed.to_bitmask().count_ones()
         })
     };

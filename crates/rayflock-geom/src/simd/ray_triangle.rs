@@ -34,7 +34,7 @@
 
 use glam::Vec3;
 
-use super::axes::{Axes, load_axes, splat_axes, subtract};
+use super::axes::{Axes, load_axes, load_ordered_axes, splat_axes, subtract};
 use super::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use crate::Ray;
 
@@ -224,6 +224,41 @@ fn relative_axes<S: Simd>(simd: S, corner: &[Lanes; 3], ray: &ShearedRay) -> Axe
     ]
 }
 
+/// Sixteen triangles in registers, for many rays with the same axes kx, ky, kz.
+#[derive(Clone, Copy, Debug)]
+pub struct AlignedBlock<S: Simd> {
+    /// Corners, each in the order kx, ky, kz.
+    corners: [[f32x16<S>; 3]; 3],
+}
+
+impl<S: Simd> AlignedBlock<S> {
+    /// Loads triangles for rays with these axes.
+    #[inline(always)]
+    pub fn load(simd: S, block: &TriangleBlock, axes: [usize; 3]) -> Self {
+        let [a, b, c] = &block.corners;
+        let load = load_ordered_axes;
+        Self { corners: [load(simd, a, axes), load(simd, b, axes), load(simd, c, axes)] }
+    }
+}
+
+/// [`intersect_block`] for triangles that have been loaded for the axes of the ray, and the origin
+/// of the ray in their order.
+#[inline(always)]
+pub fn intersect_aligned<S: Simd>(
+    simd: S,
+    origin: Vec3,
+    shear: [f32; 3],
+    [t_min, t_max]: [f32; 2],
+    block: &AlignedBlock<S>,
+    active: mask32x16<S>,
+) -> LaneHits<S> {
+    let origin = splat_axes(simd, origin);
+    let [a, b, c] = block.corners;
+    let corners = [subtract(a, origin), subtract(b, origin), subtract(c, origin)];
+    let interval = [f32x16::splat(simd, t_min), f32x16::splat(simd, t_max)];
+    intersect_sheared(simd, corners, splat_axes(simd, shear.into()), interval, active)
+}
+
 /// Sixteen rays against one triangle; only `active` lanes count.
 #[inline(always)]
 pub fn intersect_packet<S: Simd>(
@@ -267,44 +302,66 @@ fn permute_lanes<S: Simd>(simd: S, major: [u16; 2], [x, y, z]: Axes<S>) -> Axes<
     ]
 }
 
+/// Corners sheared so that the ray is the z axis, and the edge functions at its origin.
+#[derive(Clone, Copy)]
+struct Sheared<S: Simd> {
+    corners: [Axes<S>; 3],
+    /// U, V and W.
+    edges: Axes<S>,
+}
+
+impl<S: Simd> Sheared<S> {
+    /// Shears corners relative to the origin in the order kx, ky, kz, and forms edge functions.
+    #[inline(always)]
+    fn new([a, b, c]: [Axes<S>; 3], [sx, sy, _]: Axes<S>) -> Self {
+        let (ax, ay) = (a[0] - sx * a[2], a[1] - sy * a[2]);
+        let (bx, by) = (b[0] - sx * b[2], b[1] - sy * b[2]);
+        let (cx, cy) = (c[0] - sx * c[2], c[1] - sy * c[2]);
+        let edges = [cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax];
+        Self { corners: [[ax, ay, a[2]], [bx, by, b[2]], [cx, cy, c[2]]], edges }
+    }
+
+    /// Where two signs differ: these are exact whatever the third is.
+    #[inline(always)]
+    fn is_outside(&self, simd: S) -> mask32x16<S> {
+        let zero = f32x16::splat(simd, 0.0);
+        let [u, v, w] = self.edges;
+        let positive = u.simd_gt(zero) | v.simd_gt(zero) | w.simd_gt(zero);
+        let negative = u.simd_lt(zero) | v.simd_lt(zero) | w.simd_lt(zero);
+        positive & negative
+    }
+}
+
 /// The test itself, on corners relative to the origin in the order kx, ky, kz.
 #[inline(always)]
 fn intersect_sheared<S: Simd>(
     simd: S,
-    [a, b, c]: [Axes<S>; 3],
-    [sx, sy, dz]: Axes<S>,
+    corners: [Axes<S>; 3],
+    shear: Axes<S>,
     [t_min, t_max]: [f32x16<S>; 2],
     active: mask32x16<S>,
 ) -> LaneHits<S> {
     let zero = f32x16::splat(simd, 0.0);
-
-    // Shear the corners and form the edge functions.
-    let (ax, ay) = (a[0] - sx * a[2], a[1] - sy * a[2]);
-    let (bx, by) = (b[0] - sx * b[2], b[1] - sy * b[2]);
-    let (cx, cy) = (c[0] - sx * c[2], c[1] - sy * c[2]);
-    let u_edge = cx * by - cy * bx;
-    let v_edge = ax * cy - ay * cx;
-    let w_edge = bx * ay - by * ax;
-
-    // Reject where two signs differ: these are exact whatever the third is.
-    let positive = u_edge.simd_gt(zero) | v_edge.simd_gt(zero) | w_edge.simd_gt(zero);
-    let negative = u_edge.simd_lt(zero) | v_edge.simd_lt(zero) | w_edge.simd_lt(zero);
-    let inside = active & !(positive & negative);
+    let sheared = Sheared::new(corners, shear);
+    let inside = active & !sheared.is_outside(simd);
     if !inside.any_true() {
         // Divisions cost as much as all the rest.
         return LaneHits { accepted: inside, t: zero, u: zero, v: zero };
     }
+    let [a, b, c] = sheared.corners;
+    let [u_edge, v_edge, w_edge] = sheared.edges;
 
     // Interpolate the depth.
     let det = (u_edge + v_edge) + w_edge;
     let z = ((u_edge * a[2] + v_edge * b[2]) + w_edge * c[2]) / det;
-    let t = z / dz;
+    let t = z / shear[2];
+    let mut hits = LaneHits { accepted: inside, t, u: v_edge / det, v: w_edge / det };
 
     // Compute again in f64 what is on an edge, seen edge-on or out of range.
     let size = [u_edge.abs(), v_edge.abs(), w_edge.abs()];
     let smallest = size[0].min(size[1]).min(size[2]);
     let largest = size[0].max(size[1]).max(size[2]);
-    let (x_extent, y_extent) = (extent(ax, bx, cx), extent(ay, by, cy));
+    let (x_extent, y_extent) = (extent(a[0], b[0], c[0]), extent(a[1], b[1], c[1]));
     let thinnest = f32x16::splat(simd, THINNEST) * (x_extent * x_extent + y_extent * y_extent);
     let plain = smallest.simd_gt(zero)
         & det.abs().simd_gt(thinnest)
@@ -312,15 +369,8 @@ fn intersect_sheared<S: Simd>(
         & largest.simd_lt(f32x16::splat(simd, LARGEST_EDGE))
         & is_finite(simd, t);
     let rare = (inside & !plain).to_bitmask();
-    let within = t.simd_ge(t_min) & t.simd_le(t_max) & is_finite(simd, t);
-    let accepted = inside & within;
-    if rare == 0 && !accepted.any_true() {
-        return LaneHits { accepted, t, u: zero, v: zero };
-    }
-    let mut hits = LaneHits { accepted: inside, t, u: v_edge / det, v: w_edge / det };
     if rare != 0 {
-        let sheared = [[ax, ay, a[2]], [bx, by, b[2]], [cx, cy, c[2]]];
-        hits = intersect_rare(simd, rare, sheared, dz, hits);
+        hits = intersect_rare(simd, rare, sheared.corners, shear[2], hits);
     }
     let within = hits.t.simd_ge(t_min) & hits.t.simd_le(t_max) & is_finite(simd, hits.t);
     hits.accepted &= within;

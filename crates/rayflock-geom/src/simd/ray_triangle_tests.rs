@@ -34,6 +34,20 @@ fn by_packet(level: SimdLevel, ray: &Ray, corners: [Vec3; 3], lane: usize, mixed
     })
 }
 
+/// The answer of the block kernel on triangles loaded for the axes of the ray.
+fn by_aligned(level: SimdLevel, ray: &Ray, corners: [Vec3; 3], lane: usize) -> Answer {
+    let mut block = TriangleBlock::EMPTY;
+    block.set(lane, corners);
+    let ShearedRay { origin, axes, shear, t_min, t_max } = ShearedRay::new(ray);
+    let origin = Vec3::from(axes.map(|axis| origin[axis]));
+    dispatch!(level.level(), simd => {
+        let block = AlignedBlock::load(simd, &block, axes);
+        let active = mask32x16::splat(simd, true);
+        let interval = [t_min, t_max];
+        answer(lane, intersect_aligned(simd, origin, shear, interval, &block, active))
+    })
+}
+
 #[inline(always)]
 fn answer<S: Simd>(lane: usize, hits: LaneHits<S>) -> Answer {
     hits.accepted.test(lane).then(|| [hits.t[lane], hits.u[lane], hits.v[lane]].map(f32::to_bits))
@@ -44,6 +58,7 @@ fn hit(ray: &Ray, corners: [Vec3; 3]) -> Option<[f32; 3]> {
     let reference = by_block(SimdLevel::best(), ray, corners, 3);
     for level in SimdLevel::available() {
         assert_eq!(by_block(level, ray, corners, 11), reference, "block at {level}");
+        assert_eq!(by_aligned(level, ray, corners, 4), reference, "aligned block at {level}");
         assert_eq!(by_packet(level, ray, corners, 0, false), reference, "packet at {level}");
         assert_eq!(by_packet(level, ray, corners, 15, true), reference, "mixed packet at {level}");
     }
