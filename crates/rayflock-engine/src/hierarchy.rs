@@ -41,6 +41,7 @@ mod build_tree;
 mod candidates;
 mod config;
 mod keep_touched;
+mod points;
 mod ray_tree;
 mod refine;
 mod sort_rays;
@@ -54,6 +55,7 @@ use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch};
 pub use config::Config;
 
 use self::arrange::Arrangement;
+use self::points::{PointTracer, PointWork};
 use self::ray_tree::RayTree;
 use self::refine::Scratch;
 use crate::answer::{offer_hits, tell_occluded};
@@ -68,6 +70,9 @@ pub struct HierarchyEngine {
     table: PrimitiveTable,
     arrangement: Arrangement,
     tree: RayTree,
+    points: PointTracer,
+    /// Whether the last batch was traced as points of faces, not by the tree.
+    on_faces: bool,
     /// Nearest hits in the order of the arrangement.
     nearest: Vec<Nearest>,
     /// Lists and packets of tasks that are not running.
@@ -87,6 +92,13 @@ impl HierarchyEngine {
         question: Question,
         t_bound: &(impl Fn(usize) -> f32 + Sync),
     ) -> TraceStats {
+        let work =
+            PointWork { simd: self.config.simd, table: &self.table, rays, question, t_bound };
+        let traced = self.points.trace(&work, &mut self.arrangement, &mut self.nearest);
+        self.on_faces = traced.is_some();
+        if let Some(stats) = traced {
+            return stats;
+        }
         self.table.write_bounds();
         self.arrangement.assign(rays);
         let mut stats = self.tree.build(rays, &self.arrangement, t_bound);
@@ -107,8 +119,13 @@ impl HierarchyEngine {
     }
 
     /// The nearest hit of a ray, by its position in the batch.
+    #[inline(always)]
     fn found(&self, ray_idx: usize) -> &Nearest {
-        &self.nearest[self.arrangement.place(ray_idx)]
+        if !self.on_faces {
+            return &self.nearest[self.arrangement.place(ray_idx)];
+        }
+        let place = self.points.place(&self.arrangement, ray_idx);
+        self.nearest.get(place).unwrap_or(&Nearest::NONE)
     }
 }
 
@@ -146,6 +163,7 @@ impl RayEngine for HierarchyEngine {
         self.table.memory_usage()
             + self.arrangement.memory_usage()
             + self.tree.memory_usage()
+            + self.points.memory_usage()
             + self.nearest.capacity() * size_of::<Nearest>()
             + scratch
     }

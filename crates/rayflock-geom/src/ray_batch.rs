@@ -135,6 +135,21 @@ impl<'a> RayBatch<'a> {
         &self.direction
     }
 
+    /// Where the intervals begin.
+    pub const fn t_min(&self) -> &Column<'a, f32> {
+        &self.t_min
+    }
+
+    /// Where the intervals end.
+    pub const fn t_max(&self) -> &Column<'a, f32> {
+        &self.t_max
+    }
+
+    /// Which objects the rays see.
+    pub const fn mask(&self) -> &Column<'a, u32> {
+        &self.mask
+    }
+
     /// The order hint.
     pub const fn order(&self) -> RayOrder {
         self.order

@@ -12,6 +12,10 @@
 
 mod axes;
 pub mod cone_sphere;
+pub mod face;
+mod face_rare;
+pub mod face_triangle;
+pub mod point_boxes;
 pub mod ray_boxes;
 pub mod ray_sphere;
 pub mod ray_triangle;

@@ -32,7 +32,9 @@ fn triangle() -> Mesh {
 fn count(kind: EngineKind, mesh: Mesh, ray_count: usize, order: RayOrder) -> TraceStats {
     let geometry = Geometry::new(vec![GeometryObject::new(ObjectId(0), mesh)]).unwrap();
     let origins: Vec<_> = (0..ray_count).map(|idx| 1e-4 * idx as f32 * Vec3::X).collect();
-    let rays = RayBatch::new(&origins, Vec3::Z).unwrap().with_order(order);
+    // A direction each: nothing that an engine can tell to be shared.
+    let directions = vec![Vec3::Z; ray_count];
+    let rays = RayBatch::new(&origins, &directions).unwrap().with_order(order);
     let mut engine = create(kind);
     let mut hits = HitBuffer::new(ray_count);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
@@ -102,7 +104,8 @@ fn hierarchy_counts_single_rays_where_a_tile_is_too_wide() {
     let geometry = Geometry::new(vec![GeometryObject::new(ObjectId(0), triangle())]).unwrap();
     let directions: Vec<_> =
         (0..16).map(|idx| if idx % 2 == 0 { Vec3::Z } else { Vec3::NEG_Z }).collect();
-    let rays = RayBatch::new(Vec3::ZERO, &directions).unwrap().with_order(RayOrder::Coherent);
+    let origins = [Vec3::ZERO; 16];
+    let rays = RayBatch::new(&origins[..], &directions).unwrap().with_order(RayOrder::Coherent);
     let mut engine = create(EngineKind::Hierarchy);
     engine.commit(&geometry, &FrameChanges::all()).unwrap();
     let stats = engine.closest_hit(&rays, &mut HitBuffer::new(16).as_hits());

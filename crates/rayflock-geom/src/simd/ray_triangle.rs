@@ -34,7 +34,7 @@
 
 use glam::Vec3;
 
-use super::axes::{Axes, load_axes, load_ordered_axes, splat_axes, subtract};
+use super::axes::{Axes, load_axes, load_ordered_axes, splat_axes, store_axes, subtract};
 use super::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use crate::Ray;
 
@@ -170,6 +170,28 @@ impl RayPacket {
         }
         self.t_min[lane] = ray.t_min;
         self.t_max[lane] = ray.t_max;
+    }
+
+    /// Writes all rays, given as columns, as [`ShearedRay::new`] would one by one.
+    #[inline(always)]
+    pub fn fill<S: Simd>(
+        &mut self,
+        simd: S,
+        origin: Axes<S>,
+        direction: Axes<S>,
+        [t_min, t_max]: [f32x16<S>; 2],
+    ) {
+        let [x, y, z] = direction;
+        let size = [x.abs(), y.abs(), z.abs()];
+        let y_leads = size[1].simd_gt(size[0]);
+        let major_z = size[2].simd_gt(y_leads.select(size[1], size[0]));
+        let (major_x, major_y) = (!(major_z | y_leads), y_leads & !major_z);
+        self.major = [major_x.to_bitmask() as u16, major_y.to_bitmask() as u16];
+        let [x, y, z] = permute_lanes(simd, self.major, direction);
+        store_axes(&[x / z, y / z, z], &mut self.shear);
+        store_axes(&origin, &mut self.origin);
+        t_min.store_slice(&mut self.t_min);
+        t_max.store_slice(&mut self.t_max);
     }
 
     /// The axis kz that all rays share, if they do.

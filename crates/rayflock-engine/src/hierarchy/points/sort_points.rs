@@ -1,0 +1,203 @@
+//! Sorts rays by their place on the faces, along a Morton curve.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use rayflock_geom::RayBatch;
+use rayflock_geom::simd::face::Face;
+use rayflock_geom::simd::{
+    LANES, Select, Simd, SimdBase, SimdCvtTruncate, SimdLevel, SimdMask, dispatch, f32x16, u32x16,
+};
+use rayon::prelude::*;
+
+use super::super::arrange::NO_RAY;
+use super::ray_columns::RayColumns;
+
+/// Rays that one task gives keys.
+const RAYS_PER_TASK: usize = 4096;
+
+/// Bits of the curve; a face number stands above them.
+const CURVE_BITS: u32 = 28;
+
+/// Face number of rays that have no place, or are not to be traced.
+const NOWHERE: u32 = 7;
+
+/// Rays in the order of their places on the faces.
+#[derive(Debug, Default)]
+pub(super) struct PointSorter {
+    keyed: Vec<u64>,
+    /// Positions in the batch; each face's rays fill whole tiles, with [`NO_RAY`] at the end.
+    pub(super) ray_idx: Vec<u32>,
+    /// For each tile, its face.
+    pub(super) tile_faces: Vec<u32>,
+    places: Vec<AtomicU32>,
+}
+
+/// The part of a face that is divided into cells.
+#[derive(Clone, Copy, Debug)]
+struct Window {
+    low: [f32; 2],
+    scale: [f32; 2],
+}
+
+impl PointSorter {
+    /// Sorts the rays of the batch into tiles. Returns the number of rays that are not valid, and
+    /// whether some active ray has no place or looks behind its origin.
+    pub(super) fn sort(
+        &mut self,
+        level: SimdLevel,
+        batch: &RayBatch<'_>,
+        faces: &[Face],
+        tile_len: usize,
+    ) -> (u64, bool) {
+        let window = dispatch!(level.level(), simd => window(simd, batch, faces));
+        self.keyed.resize(batch.len(), 0);
+        let tasks = self.keyed.par_chunks_mut(RAYS_PER_TASK).enumerate();
+        let (invalid_count, is_lost) = tasks
+            .map(|(task_idx, keyed)| {
+                let first_ray = task_idx * RAYS_PER_TASK;
+                dispatch!(level.level(), simd => {
+                    write_keys(simd, batch, faces, &window, first_ray, keyed)
+                })
+            })
+            .reduce(|| (0, false), |a, b| (a.0 + b.0, a.1 | b.1));
+        if !is_lost {
+            self.keyed.par_sort_unstable();
+            self.fill_tiles(faces.len(), tile_len);
+        }
+        (invalid_count, is_lost)
+    }
+
+    fn fill_tiles(&mut self, face_count: usize, tile_len: usize) {
+        self.ray_idx.clear();
+        self.tile_faces.clear();
+        let mut begin = 0;
+        for face_idx in 0..face_count as u32 {
+            let rest = &self.keyed[begin..];
+            let count = rest.partition_point(|&key| (key >> (32 + CURVE_BITS)) as u32 <= face_idx);
+            self.ray_idx.extend(rest[..count].iter().map(|&key| key as u32));
+            self.ray_idx.resize(self.ray_idx.len().next_multiple_of(tile_len), NO_RAY);
+            self.tile_faces.resize(self.ray_idx.len() / tile_len, face_idx);
+            begin += count;
+        }
+        self.places.clear();
+        self.places.resize_with(self.keyed.len(), || AtomicU32::new(NO_RAY));
+        let places = &self.places;
+        self.ray_idx.par_iter().enumerate().with_min_len(RAYS_PER_TASK).for_each(
+            |(place, &ray_idx)| {
+                if ray_idx != NO_RAY {
+                    places[ray_idx as usize].store(place as u32, Ordering::Relaxed);
+                }
+            },
+        );
+    }
+
+    /// Where a ray of the batch lies; [`NO_RAY`] for one that is not traced.
+    #[inline(always)]
+    pub(super) fn place(&self, ray_idx: usize) -> u32 {
+        self.places[ray_idx].load(Ordering::Relaxed)
+    }
+
+    /// Bytes held.
+    pub(super) fn memory_usage(&self) -> usize {
+        8 * self.keyed.capacity()
+            + 4 * (self.ray_idx.capacity() + self.tile_faces.capacity() + self.places.capacity())
+    }
+}
+
+/// The window around a sample of the rays of a single face; the square of a cube's side.
+#[inline(always)]
+fn window<S: Simd>(simd: S, batch: &RayBatch<'_>, faces: &[Face]) -> Window {
+    let mut low = [-1.0; 2];
+    let mut high = [1.0; 2];
+    if let [face] = faces {
+        (low, high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+        let mut columns = RayColumns::EMPTY;
+        let step = (batch.len() / 64).max(LANES);
+        for start in (0..batch.len()).step_by(step) {
+            let positions = positions(start, batch.len());
+            columns.gather(batch, &positions);
+            let points = face.project_rays(simd, columns.origin(simd), columns.direction(simd));
+            let active = (columns.states(simd).active & points.on_face).to_bitmask();
+            for lane in (0..LANES).filter(|lane| active & (1 << lane) != 0) {
+                for (axis, value) in [points.x[lane], points.y[lane]].into_iter().enumerate() {
+                    low[axis] = low[axis].min(value);
+                    high[axis] = high[axis].max(value);
+                }
+            }
+        }
+    }
+    let cells = (1 << (CURVE_BITS / 2)) as f32;
+    let scale = [0, 1].map(|axis| {
+        let scale = cells / (high[axis] - low[axis]);
+        if scale.is_finite() && scale > 0.0 { scale } else { 0.0 }
+    });
+    let low = low.map(|low| if low.is_finite() { low } else { 0.0 });
+    Window { low, scale }
+}
+
+/// Sixteen consecutive positions, as many as there are.
+fn positions(start: usize, len: usize) -> [u32; LANES] {
+    std::array::from_fn(|lane| if start + lane < len { (start + lane) as u32 } else { NO_RAY })
+}
+
+#[inline(always)]
+fn write_keys<S: Simd>(
+    simd: S,
+    batch: &RayBatch<'_>,
+    faces: &[Face],
+    window: &Window,
+    first_ray: usize,
+    keyed: &mut [u64],
+) -> (u64, bool) {
+    let mut columns = RayColumns::EMPTY;
+    let (mut invalid_count, mut is_lost) = (0, false);
+    for (idx, keyed) in keyed.chunks_mut(LANES).enumerate() {
+        let start = first_ray + idx * LANES;
+        columns.gather(batch, &positions(start, start + keyed.len()));
+        let states = columns.states(simd);
+        invalid_count += states.invalid_count;
+        let mut left = states.active;
+        let mut keys = u32x16::splat(simd, NOWHERE << CURVE_BITS);
+        for (face_idx, face) in faces.iter().enumerate() {
+            let points = face.project_rays(simd, columns.origin(simd), columns.direction(simd));
+            let mut here = left & points.on_face;
+            if faces.len() > 1 {
+                // Each ray belongs to the side of the cube that it pierces.
+                let side = f32x16::splat(simd, 1.0);
+                here &= points.x.abs().simd_le(side) & points.y.abs().simd_le(side);
+            }
+            let curve = morton(simd, window, points.x, points.y);
+            let key = curve | u32x16::splat(simd, (face_idx as u32) << CURVE_BITS);
+            keys = here.select(key, keys);
+            left &= !here;
+        }
+        is_lost |= left.any_true() | states.looks_back;
+        for (lane, keyed) in keyed.iter_mut().enumerate() {
+            *keyed = (u64::from(keys[lane]) << 32) | (start + lane) as u64;
+        }
+    }
+    (invalid_count, is_lost)
+}
+
+/// Places of points along the curve, outside the window at its border.
+#[inline(always)]
+fn morton<S: Simd>(simd: S, window: &Window, x: f32x16<S>, y: f32x16<S>) -> u32x16<S> {
+    let cell = |value: f32x16<S>, axis: usize| value - window.low[axis];
+    let most = f32x16::splat(simd, ((1 << (CURVE_BITS / 2)) - 1) as f32);
+    let zero = f32x16::splat(simd, 0.0);
+    let x = (cell(x, 0) * window.scale[0]).max(zero).min(most);
+    let y = (cell(y, 1) * window.scale[1]).max(zero).min(most);
+    let x = u32x16::truncate_from_precise(x);
+    let y = u32x16::truncate_from_precise(y);
+    spread(simd, x) | (spread(simd, y) << 1)
+}
+
+/// Moves bit i of the lower half to bit 2i.
+#[inline(always)]
+fn spread<S: Simd>(simd: S, value: u32x16<S>) -> u32x16<S> {
+    let mask = |bits: u32| u32x16::splat(simd, bits);
+    let bits = (value | (value << 8)) & mask(0x00ff_00ff);
+    let bits = (bits | (bits << 4)) & mask(0x0f0f_0f0f);
+    let bits = (bits | (bits << 2)) & mask(0x3333_3333);
+    (bits | (bits << 1)) & mask(0x5555_5555)
+}
