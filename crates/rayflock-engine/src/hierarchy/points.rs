@@ -32,7 +32,9 @@
 //! they are sorted; one kilobyte for sixteen rays of a tile at work.
 
 mod faces;
+mod occupancy;
 mod point_tiles;
+mod radix_sort;
 mod ray_columns;
 mod sort_points;
 mod stream_triangles;
@@ -63,6 +65,13 @@ const TILES_PER_THREAD: usize = 8;
 
 /// Shares of the triangles wanted for each thread.
 const SHARES_PER_THREAD: usize = 4;
+
+/// Where the boxes around each sixteen rays cover the face more often than this, the caller's
+/// hint says little about places on the face.
+const LOOSEST: f32 = 2.0;
+
+/// Triangles a ray from which on it pays to ask whether any ray is near.
+const TRIANGLES_PER_RAY: usize = 3;
 
 /// Blocks of triangles in the smallest share.
 const SMALLEST_SHARE: usize = 64;
@@ -97,6 +106,8 @@ struct TileBound {
     /// The largest distance of an origin from the face's center.
     reach: f32,
     invalid_count: u64,
+    /// The areas of the boxes around each sixteen rays.
+    group_area: f32,
     /// Whether a ray has no place on the face or looks behind its origin.
     is_lost: bool,
 }
@@ -119,6 +130,7 @@ impl PointTracer {
         let tile_len = tile_len(rays.len());
         let invalid_rays = self.arrange(work, arrangement, tile_len)?;
         let stats = TraceStats { rays: rays.len() as u64, invalid_rays, ..TraceStats::default() };
+        self.note_rays(work, arrangement, tile_len);
         let streamed = self.stream(work);
         let ray_idx = if self.is_sorted { &self.sorter.ray_idx } else { &arrangement.ray_idx };
         // Tiles write what they begin with.
@@ -149,7 +161,8 @@ impl PointTracer {
             arrangement.assign(work.rays);
             self.is_sorted = false;
             let one = self.bound_tiles(work, tile_len, &arrangement.ray_idx, &[]);
-            if !one.is_lost {
+            let extent = self.tiles[0].bound.area();
+            if !one.is_lost && one.group_area <= LOOSEST * extent {
                 return Some(one.invalid_count);
             }
         }
@@ -210,6 +223,36 @@ impl PointTracer {
             first_tile = end;
         }
         all
+    }
+
+    /// Notes where rays are on the faces, if there are enough triangles to ask for it.
+    fn note_rays<F: Sync>(
+        &mut self,
+        work: &PointWork<'_, F>,
+        arrangement: &Arrangement,
+        tile_len: usize,
+    ) {
+        let slot_count = work.table.triangle_block_count() * LANES;
+        let is_worth_it = slot_count >= TRIANGLES_PER_RAY * work.rays.len();
+        for face in &mut self.tiles {
+            face.has_occupancy = is_worth_it && !face.bound.is_empty();
+            if face.has_occupancy {
+                face.occupancy.clear(&face.bound, work.rays.len());
+            }
+        }
+        if !is_worth_it {
+            return;
+        }
+        let _span = debug_span!("note_rays").entered();
+        let ray_idx = if self.is_sorted { &self.sorter.ray_idx } else { &arrangement.ray_idx };
+        let tile_faces = if self.is_sorted { &self.sorter.tile_faces[..] } else { &[] };
+        ray_idx.par_chunks(tile_len).enumerate().for_each(|(tile_idx, ray_idx)| {
+            let face = &self.tiles[tile_faces.get(tile_idx).copied().unwrap_or(0) as usize];
+            dispatch!(work.simd.level(), simd => note_tile(simd, work.rays, face, ray_idx));
+        });
+        self.tiles.par_iter_mut().filter(|face| face.has_occupancy).for_each(|face| {
+            face.occupancy.finish();
+        });
     }
 
     /// Streams all primitives, in parallel.
@@ -276,14 +319,20 @@ impl PointTracer {
 }
 
 impl TileBound {
-    const NONE: Self =
-        Self { bound: PointBox::EMPTY, reach: 0.0, invalid_count: 0, is_lost: false };
+    const NONE: Self = Self {
+        bound: PointBox::EMPTY,
+        reach: 0.0,
+        invalid_count: 0,
+        group_area: 0.0,
+        is_lost: false,
+    };
 
     fn join(self, other: Self) -> Self {
         Self {
             bound: self.bound.union(&other.bound),
             reach: self.reach.max(other.reach),
             invalid_count: self.invalid_count + other.invalid_count,
+            group_area: self.group_area + other.group_area,
             is_lost: self.is_lost | other.is_lost,
         }
     }
@@ -318,7 +367,19 @@ fn bound_tile<S: Simd, F: Fn(usize) -> f32>(
         let is_lost = states.looks_back | (states.active & !points.on_face).any_true();
         let reach = extent.bounds[1].max(0.0);
         let invalid_count = states.invalid_count;
-        all = all.join(TileBound { bound, reach, invalid_count, is_lost });
+        let group_area = bound.area();
+        all = all.join(TileBound { bound, reach, invalid_count, group_area, is_lost });
     }
     all
+}
+
+#[inline(always)]
+fn note_tile<S: Simd>(simd: S, rays: &RayBatch<'_>, face: &FaceTiles, ray_idx: &[u32]) {
+    let mut columns = RayColumns::EMPTY;
+    for ray_idx in ray_idx.chunks(LANES) {
+        columns.gather(rays, ray_idx);
+        let active = columns.states(simd).active;
+        let points = face.face.project_rays(simd, columns.origin(simd), columns.direction(simd));
+        face.occupancy.note(simd, points.x, points.y, active);
+    }
 }

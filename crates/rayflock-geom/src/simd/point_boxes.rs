@@ -124,6 +124,12 @@ impl PointBox {
         Self { bounds, limit: self.limit.min(other.limit) }
     }
 
+    /// Width times height; 0 without points.
+    pub fn area(&self) -> f32 {
+        let [x0, x1, y0, y1] = self.bounds;
+        if self.is_empty() { 0.0 } else { (x1 - x0) * (y1 - y0) }
+    }
+
     /// Whether there is no point.
     pub fn is_empty(&self) -> bool {
         self.bounds[0] > self.bounds[1]

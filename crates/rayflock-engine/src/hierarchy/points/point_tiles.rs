@@ -2,6 +2,8 @@
 
 use rayflock_geom::simd::LANES;
 use rayflock_geom::simd::Simd;
+
+use super::occupancy::Occupancy;
 use rayflock_geom::simd::face::Face;
 use rayflock_geom::simd::face_triangle::FaceTriangle;
 use rayflock_geom::simd::point_boxes::{PointBox, PointBoxes};
@@ -18,12 +20,23 @@ pub(super) struct FaceTiles {
     tiles: Vec<PointBoxes>,
     /// Boxes of the entries of `tiles`.
     upper: Vec<PointBoxes>,
+    /// Where rays are, if it is worth asking.
+    pub(super) occupancy: Occupancy,
+    pub(super) has_occupancy: bool,
 }
 
 impl FaceTiles {
     /// A face without tiles.
     pub(super) fn new(face: Face) -> Self {
-        Self { face, bound: PointBox::EMPTY, first_tile: 0, tiles: Vec::new(), upper: Vec::new() }
+        Self {
+            face,
+            bound: PointBox::EMPTY,
+            first_tile: 0,
+            tiles: Vec::new(),
+            upper: Vec::new(),
+            occupancy: Occupancy::default(),
+            has_occupancy: false,
+        }
     }
 
     /// Takes the boxes of consecutive tiles.
@@ -62,6 +75,7 @@ impl FaceTiles {
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
         (self.tiles.capacity() + self.upper.capacity()) * size_of::<PointBoxes>()
+            + self.occupancy.memory_usage()
     }
 }
 

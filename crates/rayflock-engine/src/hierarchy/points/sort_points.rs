@@ -1,6 +1,6 @@
 //! Sorts rays by their place on the faces, along a Morton curve.
 
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use rayflock_geom::RayBatch;
 use rayflock_geom::simd::face::Face;
@@ -10,13 +10,17 @@ use rayflock_geom::simd::{
 use rayon::prelude::*;
 
 use super::super::arrange::NO_RAY;
+use super::radix_sort::RadixSorter;
 use super::ray_columns::RayColumns;
 
 /// Rays that one task gives keys.
 const RAYS_PER_TASK: usize = 4096;
 
-/// Bits of the curve; a face number stands above them.
-const CURVE_BITS: u32 = 28;
+/// Bits of the curve at most; a face number stands above them.
+const MOST_CURVE_BITS: u32 = 28;
+
+/// Bits of a face number.
+const FACE_BITS: u32 = 3;
 
 /// Face number of rays that have no place, or are not to be traced.
 const NOWHERE: u32 = 7;
@@ -24,7 +28,7 @@ const NOWHERE: u32 = 7;
 /// Rays in the order of their places on the faces.
 #[derive(Debug, Default)]
 pub(super) struct PointSorter {
-    keyed: Vec<u64>,
+    sorter: RadixSorter,
     /// Positions in the batch; each face's rays fill whole tiles, with [`NO_RAY`] at the end.
     pub(super) ray_idx: Vec<u32>,
     /// For each tile, its face.
@@ -37,6 +41,8 @@ pub(super) struct PointSorter {
 struct Window {
     low: [f32; 2],
     scale: [f32; 2],
+    /// Bits of the place along the curve.
+    curve_bits: u32,
 }
 
 impl PointSorter {
@@ -50,8 +56,7 @@ impl PointSorter {
         tile_len: usize,
     ) -> (u64, bool) {
         let window = dispatch!(level.level(), simd => window(simd, batch, faces));
-        self.keyed.resize(batch.len(), 0);
-        let tasks = self.keyed.par_chunks_mut(RAYS_PER_TASK).enumerate();
+        let tasks = self.sorter.entries(batch.len()).par_chunks_mut(RAYS_PER_TASK).enumerate();
         let (invalid_count, is_lost) = tasks
             .map(|(task_idx, keyed)| {
                 let first_ray = task_idx * RAYS_PER_TASK;
@@ -61,45 +66,52 @@ impl PointSorter {
             })
             .reduce(|| (0, false), |a, b| (a.0 + b.0, a.1 | b.1));
         if !is_lost {
-            self.keyed.par_sort_unstable();
-            self.fill_tiles(faces.len(), tile_len);
+            self.sorter.sort(window.curve_bits + FACE_BITS);
+            self.fill_tiles(faces.len(), window.curve_bits, tile_len);
         }
         (invalid_count, is_lost)
     }
 
-    fn fill_tiles(&mut self, face_count: usize, tile_len: usize) {
+    fn fill_tiles(&mut self, face_count: usize, curve_bits: u32, tile_len: usize) {
+        let sorted = self.sorter.sorted();
         self.ray_idx.clear();
         self.tile_faces.clear();
+        self.places.resize_with(sorted.len(), AtomicU32::default);
         let mut begin = 0;
         for face_idx in 0..face_count as u32 {
-            let rest = &self.keyed[begin..];
-            let count = rest.partition_point(|&key| (key >> (32 + CURVE_BITS)) as u32 <= face_idx);
-            self.ray_idx.extend(rest[..count].iter().map(|&key| key as u32));
-            self.ray_idx.resize(self.ray_idx.len().next_multiple_of(tile_len), NO_RAY);
+            let face_of = |entry: &AtomicU64| (entry.load(Relaxed) >> (32 + curve_bits)) as u32;
+            let rest = &sorted[begin..];
+            let rest = &rest[..rest.partition_point(|entry| face_of(entry) <= face_idx)];
+            let first = self.ray_idx.len();
+            self.ray_idx.resize(first + rest.len().next_multiple_of(tile_len), NO_RAY);
             self.tile_faces.resize(self.ray_idx.len() / tile_len, face_idx);
-            begin += count;
+            let places = &self.places;
+            let tasks = self.ray_idx[first..].par_chunks_mut(RAYS_PER_TASK);
+            tasks.zip(rest.par_chunks(RAYS_PER_TASK)).enumerate().for_each(
+                |(task_idx, (ray_idx, entries))| {
+                    for (idx, (ray_idx, entry)) in ray_idx.iter_mut().zip(entries).enumerate() {
+                        *ray_idx = entry.load(Relaxed) as u32;
+                        let place = first + task_idx * RAYS_PER_TASK + idx;
+                        places[*ray_idx as usize].store(place as u32, Relaxed);
+                    }
+                },
+            );
+            begin += rest.len();
         }
-        self.places.clear();
-        self.places.resize_with(self.keyed.len(), || AtomicU32::new(NO_RAY));
-        let places = &self.places;
-        self.ray_idx.par_iter().enumerate().with_min_len(RAYS_PER_TASK).for_each(
-            |(place, &ray_idx)| {
-                if ray_idx != NO_RAY {
-                    places[ray_idx as usize].store(place as u32, Ordering::Relaxed);
-                }
-            },
-        );
+        for entry in &sorted[begin..] {
+            self.places[entry.load(Relaxed) as u32 as usize].store(NO_RAY, Relaxed);
+        }
     }
 
     /// Where a ray of the batch lies; [`NO_RAY`] for one that is not traced.
     #[inline(always)]
     pub(super) fn place(&self, ray_idx: usize) -> u32 {
-        self.places[ray_idx].load(Ordering::Relaxed)
+        self.places[ray_idx].load(Relaxed)
     }
 
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
-        8 * self.keyed.capacity()
+        self.sorter.memory_usage()
             + 4 * (self.ray_idx.capacity() + self.tile_faces.capacity() + self.places.capacity())
     }
 }
@@ -126,13 +138,16 @@ fn window<S: Simd>(simd: S, batch: &RayBatch<'_>, faces: &[Face]) -> Window {
             }
         }
     }
-    let cells = (1 << (CURVE_BITS / 2)) as f32;
+    // Some four to sixteen cells a ray.
+    let axis_bits = (usize::BITS - batch.len().leading_zeros()).div_ceil(2) + 1;
+    let curve_bits = (2 * axis_bits).min(MOST_CURVE_BITS);
+    let cells = (1 << (curve_bits / 2)) as f32;
     let scale = [0, 1].map(|axis| {
         let scale = cells / (high[axis] - low[axis]);
         if scale.is_finite() && scale > 0.0 { scale } else { 0.0 }
     });
     let low = low.map(|low| if low.is_finite() { low } else { 0.0 });
-    Window { low, scale }
+    Window { low, scale, curve_bits }
 }
 
 /// Sixteen consecutive positions, as many as there are.
@@ -147,7 +162,7 @@ fn write_keys<S: Simd>(
     faces: &[Face],
     window: &Window,
     first_ray: usize,
-    keyed: &mut [u64],
+    keyed: &mut [AtomicU64],
 ) -> (u64, bool) {
     let mut columns = RayColumns::EMPTY;
     let (mut invalid_count, mut is_lost) = (0, false);
@@ -157,7 +172,7 @@ fn write_keys<S: Simd>(
         let states = columns.states(simd);
         invalid_count += states.invalid_count;
         let mut left = states.active;
-        let mut keys = u32x16::splat(simd, NOWHERE << CURVE_BITS);
+        let mut keys = u32x16::splat(simd, NOWHERE << window.curve_bits);
         for (face_idx, face) in faces.iter().enumerate() {
             let points = face.project_rays(simd, columns.origin(simd), columns.direction(simd));
             let mut here = left & points.on_face;
@@ -167,13 +182,13 @@ fn write_keys<S: Simd>(
                 here &= points.x.abs().simd_le(side) & points.y.abs().simd_le(side);
             }
             let curve = morton(simd, window, points.x, points.y);
-            let key = curve | u32x16::splat(simd, (face_idx as u32) << CURVE_BITS);
+            let key = curve | u32x16::splat(simd, (face_idx as u32) << window.curve_bits);
             keys = here.select(key, keys);
             left &= !here;
         }
         is_lost |= left.any_true() | states.looks_back;
         for (lane, keyed) in keyed.iter_mut().enumerate() {
-            *keyed = (u64::from(keys[lane]) << 32) | (start + lane) as u64;
+            *keyed.get_mut() = (u64::from(keys[lane]) << 32) | (start + lane) as u64;
         }
     }
     (invalid_count, is_lost)
@@ -183,7 +198,7 @@ fn write_keys<S: Simd>(
 #[inline(always)]
 fn morton<S: Simd>(simd: S, window: &Window, x: f32x16<S>, y: f32x16<S>) -> u32x16<S> {
     let cell = |value: f32x16<S>, axis: usize| value - window.low[axis];
-    let most = f32x16::splat(simd, ((1 << (CURVE_BITS / 2)) - 1) as f32);
+    let most = f32x16::splat(simd, ((1 << (window.curve_bits / 2)) - 1) as f32);
     let zero = f32x16::splat(simd, 0.0);
     let x = (cell(x, 0) * window.scale[0]).max(zero).min(most);
     let y = (cell(y, 1) * window.scale[1]).max(zero).min(most);

@@ -143,8 +143,11 @@ impl Chunk {
             }
             stats.box_tests += LANES as u64;
             let placed = face.face.project_triangles(simd, &corners);
-            let touches =
+            let mut touches =
                 is_there & placed.placed & overlaps(simd, &placed.bounds, &face.bound.bounds);
+            if face.has_occupancy && touches.any_true() {
+                touches = face.occupancy.keep(simd, &placed.bounds, touches);
+            }
             let rare = is_there & !placed.placed & !placed.behind;
             if touches.any_true() {
                 let ranks = u32x16::from_slice(simd, table.ranks(block_idx));

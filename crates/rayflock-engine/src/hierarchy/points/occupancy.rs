@@ -1,0 +1,231 @@
+//! Is there any ray near? A pyramid of bits over the points of a face.
+//!
+//! ```text
+//!   level n   2^n x 2^n cells, some 64 a ray; a bit says that a ray is in the cell, in the one
+//!             to the right, the one above or the one between these
+//!   level k   the same for squares of cells, down to 64 x 64
+//! ```
+//!
+//! A box that is not larger than a cell of its level lies in at most two by two of them, so one bit
+//! answers for it. The level follows from the box's size, the bit from its lower left corner.
+//!
+//! **Source.** After N. Greene, M. Kass, G. Miller, "Hierarchical Z-Buffer Visibility", SIGGRAPH
+//! 1993. **Departures.** Bits instead of depths, dilated so that one is enough.
+//!
+//! **Invariants.** Points and corners of boxes become cells by the same monotone operations, so a
+//! point in a box has a cell between those of the box's corners. Points outside the window count
+//! for its border.
+//!
+//! **Cost.** Two bits a cell; a pass over the bits.
+
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+use rayflock_geom::simd::point_boxes::PointBox;
+use rayflock_geom::simd::{
+    Bytes, Simd, SimdBase, SimdCvtFloat, SimdCvtTruncate, SimdMask, f32x16, mask32x16, u32x16,
+};
+
+/// The coarsest level: rows of a word.
+const COARSEST: u32 = 6;
+
+/// The finest level, 1 MiB with all above it.
+const FINEST: u32 = 11;
+
+/// Bits over the points of one face.
+#[derive(Debug, Default)]
+pub(super) struct Occupancy {
+    /// Level k from bit 4^k on. Atomic because several tasks note rays.
+    words: Vec<AtomicU64>,
+    finest: u32,
+    low: [f32; 2],
+    scale: [f32; 2],
+}
+
+impl Occupancy {
+    /// Makes room for about `ray_count` points within the bound, none of which is noted yet.
+    pub(super) fn clear(&mut self, bound: &PointBox, ray_count: usize) {
+        let bits = usize::BITS - ray_count.leading_zeros();
+        self.finest = (bits.div_ceil(2) + 3).clamp(COARSEST, FINEST);
+        let cells = (1 << self.finest) as f32;
+        let [x0, x1, y0, y1] = bound.bounds;
+        self.low = [x0, y0];
+        self.scale = [x1 - x0, y1 - y0].map(|size| {
+            let scale = cells / size;
+            if scale.is_finite() && scale > 0.0 { scale } else { 0.0 }
+        });
+        self.words.clear();
+        self.words.resize_with((2 << (2 * self.finest)) / 64, AtomicU64::default);
+    }
+
+    /// Notes the `active` points.
+    #[inline(always)]
+    pub(super) fn note<S: Simd>(&self, simd: S, x: f32x16<S>, y: f32x16<S>, active: mask32x16<S>) {
+        let (column, row) = (self.cells(simd, x, 0), self.cells(simd, y, 1));
+        let first = u32x16::splat(simd, 1 << (2 * self.finest));
+        let bits = first | (row << self.finest) | column;
+        let mut lanes = active.to_bitmask();
+        while lanes != 0 {
+            let bit = bits[lanes.trailing_zeros() as usize];
+            lanes &= lanes - 1;
+            let word = &self.words[bit as usize / 64];
+            let flag = 1 << (bit % 64);
+            if word.load(Relaxed) & flag == 0 {
+                word.fetch_or(flag, Relaxed);
+            }
+        }
+    }
+
+    /// Builds the coarser levels, then spreads each bit to the cells that answer for it.
+    pub(super) fn finish(&mut self) {
+        for level in (COARSEST..self.finest).rev() {
+            self.halve(level);
+        }
+        for level in COARSEST..=self.finest {
+            self.dilate(level);
+        }
+    }
+
+    /// Fills a level from the one below it.
+    fn halve(&mut self, level: u32) {
+        let side_words = (1 << level) / 64;
+        let (above, below) = self.words.split_at_mut((4 << (2 * level)) / 64);
+        let above = &mut above[(1 << (2 * level)) / 64..];
+        for row in 0..1 << level {
+            for word_idx in 0..side_words {
+                let mut halves = [0; 2];
+                for (half, bits) in halves.iter_mut().enumerate() {
+                    let place = 2 * row * (2 * side_words) + 2 * word_idx + half;
+                    let upper = *below[place + 2 * side_words].get_mut();
+                    *bits = pairs(*below[place].get_mut() | upper);
+                }
+                *above[row * side_words + word_idx].get_mut() = halves[0] | (halves[1] << 32);
+            }
+        }
+    }
+
+    /// Brings each cell's bit to its neighbours to the left and below.
+    fn dilate(&mut self, level: u32) {
+        let side_words = (1 << level) / 64;
+        let first = (1 << (2 * level)) / 64;
+        let words = &mut self.words[first..2 * first];
+        for place in 0..words.len() {
+            let is_last = place % side_words == side_words - 1;
+            let right = |words: &mut [AtomicU64], place: usize| {
+                let carry = if is_last { 0 } else { *words[place + 1].get_mut() << 63 };
+                let here = *words[place].get_mut();
+                here | (here >> 1) | carry
+            };
+            let above = place + side_words;
+            let upper = if above < words.len() { right(words, above) } else { 0 };
+            let here = right(words, place);
+            *words[place].get_mut() = here | upper;
+        }
+    }
+
+    /// Keeps those of the `asked` boxes (least and largest x, least and largest y) that a ray may
+    /// be in.
+    #[inline(always)]
+    pub(super) fn keep<S: Simd>(
+        &self,
+        simd: S,
+        bounds: &[f32x16<S>; 4],
+        asked: mask32x16<S>,
+    ) -> mask32x16<S> {
+        let splat = u32x16::splat;
+        let (left, right) = (self.cells(simd, bounds[0], 0), self.cells(simd, bounds[1], 0));
+        let (low, high) = (self.cells(simd, bounds[2], 1), self.cells(simd, bounds[3], 1));
+
+        // 2^rise is at least the number of cells from one corner to the other.
+        let size = (right - left).max(high - low);
+        let size = (f32x16::float_from(size) - 0.5).max(f32x16::splat(simd, 0.5));
+        let exponent: u32x16<S> = size.bitcast();
+        let rise = (exponent >> 23) - splat(simd, 126);
+        let most = splat(simd, self.finest - COARSEST);
+        let is_large = rise.simd_gt(most);
+        let rise = rise.min(most);
+        let level = splat(simd, self.finest) - rise;
+        let place = ((low >> rise) << level) | (left >> rise);
+        let bits = (splat(simd, 1) << (level + level)) | place;
+
+        let mut kept = (asked & is_large).to_bitmask();
+        let mut lanes = (asked & !is_large).to_bitmask();
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            let bit = bits[lane];
+            let word = self.words[bit as usize / 64].load(Relaxed);
+            kept |= ((word >> (bit % 64)) & 1) << lane;
+        }
+        mask32x16::from_bitmask(simd, kept)
+    }
+
+    /// The cells of coordinates along an axis.
+    #[inline(always)]
+    fn cells<S: Simd>(&self, simd: S, value: f32x16<S>, axis: usize) -> u32x16<S> {
+        let most = f32x16::splat(simd, ((1 << self.finest) - 1) as f32);
+        let cell = (value - self.low[axis]) * self.scale[axis];
+        u32x16::truncate_from(cell.max(f32x16::splat(simd, 0.0)).min(most))
+    }
+
+    /// Bytes held.
+    pub(super) fn memory_usage(&self) -> usize {
+        8 * self.words.capacity()
+    }
+}
+
+/// Whether either of bits 2i and 2i + 1 is set, in bit i.
+fn pairs(word: u64) -> u64 {
+    let bits = (word | (word >> 1)) & 0x5555_5555_5555_5555;
+    let bits = (bits | (bits >> 1)) & 0x3333_3333_3333_3333;
+    let bits = (bits | (bits >> 2)) & 0x0f0f_0f0f_0f0f_0f0f;
+    let bits = (bits | (bits >> 4)) & 0x00ff_00ff_00ff_00ff;
+    let bits = (bits | (bits >> 8)) & 0x0000_ffff_0000_ffff;
+    (bits | (bits >> 16)) & 0x0000_0000_ffff_ffff
+}
+
+#[cfg(test)]
+mod tests {
+    use rayflock_geom::simd::{LANES, SimdLevel, dispatch};
+    use rayflock_testkit::Rng;
+
+    use super::*;
+
+    /// Boxes of all sizes: one with a point in it is always kept, most others are not.
+    #[test]
+    fn a_box_with_a_point_in_it_is_kept() {
+        let mut rng = Rng::new(41);
+        let bound = PointBox { bounds: [-1.0, 3.0, 0.5, 2.0], limit: 0.0 };
+        for simd in SimdLevel::available() {
+            let mut occupancy = Occupancy::default();
+            occupancy.clear(&bound, 64);
+            let points: Vec<[f32; 2]> =
+                (0..64).map(|_| [rng.between(-1.5, 3.5), rng.between(0.0, 2.5)]).collect();
+            let (mut empty_count, mut rejected_count) = (0, 0);
+            dispatch!(simd.level(), simd => {
+                for sixteen in points.chunks_exact(LANES) {
+                    let column = |axis: usize| f32x16::from_fn(simd, |lane| sixteen[lane][axis]);
+                    let all = mask32x16::splat(simd, true);
+                    occupancy.note(simd, column(0), column(1), all);
+                }
+                occupancy.finish();
+                for _ in 0..4000 {
+                    let size = 4.0 * 0.5_f32.powi(rng.below(14) as i32);
+                    let (x, y) = (rng.between(-1.5, 3.5), rng.between(0.0, 2.5));
+                    let bounds = [x, x + size * rng.unit(), y, y + size * rng.unit()];
+                    let lanes = bounds.map(|bound| f32x16::splat(simd, bound));
+                    let kept = occupancy.keep(simd, &lanes, mask32x16::splat(simd, true));
+                    let is_inside = |[x, y]: &[f32; 2]| {
+                        bounds[0] <= *x && *x <= bounds[1] && bounds[2] <= *y && *y <= bounds[3]
+                    };
+                    if points.iter().any(is_inside) {
+                        assert!(kept.all_true(), "{bounds:?}");
+                    } else {
+                        empty_count += 1;
+                        rejected_count += usize::from(!kept.any_true());
+                    }
+                }
+            });
+            assert!(rejected_count * 2 > empty_count, "{rejected_count} of {empty_count}");
+        }
+    }
+}
