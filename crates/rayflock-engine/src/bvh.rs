@@ -3,7 +3,7 @@
 //! ```text
 //!   parts        objects that rest go to a kept tree, objects that change to a fresh one
 //!   sort_slots   primitives along a Hilbert curve
-//!   build_tree   (read_corners) sixteen primitives a leaf, sixteen leaves a node, sixteen nodes a node ...
+//!   build_tree   (stage_triangles) sixteen primitives a leaf, sixteen leaves a node, sixteen nodes a node ...
 //!   ray_block    some thousand rays, prepared for boxes and for triangles
 //!   trace_block  lists of rays go down: a ray against sixteen boxes, then against sixteen triangles
 //!   answer       hand the hits over
@@ -28,8 +28,8 @@ mod build_tree;
 mod config;
 mod parts;
 mod ray_block;
-mod read_corners;
 mod sort_slots;
+mod stage_triangles;
 mod trace_block;
 mod tree;
 

@@ -2,11 +2,12 @@
 
 use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxBounds};
 use rayflock_geom::simd::triangle_boxes::{around_spheres, around_triangles};
+use rayflock_geom::simd::triangle_rows::{ROW_COUNT, columns_of_rows};
 use rayflock_geom::simd::{LANES, Simd, SimdLevel, dispatch};
 use rayon::prelude::*;
 
-use super::read_corners::CornerReader;
 use super::sort_slots::{SlotSorter, WantedLanes};
+use super::stage_triangles::{StagedTriangles, TriangleReader};
 use super::tree::{OtherLeaf, Tree, TriangleLeaf};
 use crate::primitives::PrimitiveTable;
 
@@ -73,33 +74,19 @@ impl LeafWriter<'_> {
         let tasks = leaves.par_chunks_mut(LANES).zip(nodes).enumerate();
         tasks.with_min_len(NODES_PER_TASK).for_each(|(node_idx, (leaves, node))| {
             dispatch!(self.level.level(), simd => {
-                let mut reader = CornerReader::new(self.table);
-                for (lane, leaf) in leaves.iter_mut().enumerate() {
-                    let first = (node_idx * LANES + lane) * LANES;
-                    self.gather(sorter, first, &mut reader, leaf);
+                let mut reader = TriangleReader::new(self.table);
+                let mut staged = StagedTriangles::EMPTY;
+                let first = node_idx * LANES * LANES;
+                for (pair_idx, pair) in leaves.chunks_mut(2).enumerate() {
+                    reader.stage(sorter.slots(first + pair_idx * ROW_COUNT), &mut staged);
+                    write_pair(simd, &staged, pair);
+                }
+                for (lane, leaf) in leaves.iter().enumerate() {
                     node.set(lane, &around_triangles(simd, &leaf.triangles));
                 }
             });
             node.pad(leaves.len());
         });
-    }
-
-    /// Copies sixteen triangles in order; where fewer are left, the first again but out of sight.
-    #[inline(always)]
-    fn gather(
-        &self,
-        sorter: &SlotSorter,
-        first: usize,
-        reader: &mut CornerReader<'_>,
-        leaf: &mut TriangleLeaf,
-    ) {
-        let count = (sorter.len() - first).min(LANES);
-        for lane in 0..LANES {
-            let slot = sorter.slot(first + if lane < count { lane } else { 0 });
-            leaf.triangles.set(lane, reader.read(slot));
-            leaf.masks[lane] = if lane < count { self.table.mask(slot) } else { 0 };
-            leaf.ranks[lane] = self.table.rank(slot);
-        }
     }
 
     fn write_others(&self, sorter: &SlotSorter, leaves: &mut [OtherLeaf], nodes: &mut [BoxBlock]) {
@@ -131,6 +118,18 @@ impl LeafWriter<'_> {
             spheres.set(lane, &self.table.bound(slot));
         }
         around_spheres(simd, &spheres)
+    }
+}
+
+/// Writes staged triangles as one or two leaves.
+#[inline(always)]
+fn write_pair<S: Simd>(simd: S, staged: &StagedTriangles, leaves: &mut [TriangleLeaf]) {
+    let triangles = columns_of_rows(simd, &staged.rows);
+    let columns = triangles.iter().zip(&staged.masks).zip(&staged.ranks);
+    for (leaf, ((triangles, masks), ranks)) in leaves.iter_mut().zip(columns) {
+        triangles.store(&mut leaf.triangles);
+        leaf.masks = *masks;
+        leaf.ranks = *ranks;
     }
 }
 

@@ -107,6 +107,12 @@ impl SlotSorter {
         self.len
     }
 
+    /// The slots of all primitives in order, from a place on.
+    #[inline(always)]
+    pub(super) fn slots(&self, first: usize) -> impl ExactSizeIterator<Item = u32> + Clone + '_ {
+        self.sorted[first..self.len].iter().map(|entry| entry.load(Relaxed) as u32)
+    }
+
     /// The slot of the primitive at a place of the order.
     #[inline(always)]
     pub(super) fn slot(&self, place: usize) -> u32 {
