@@ -14,6 +14,8 @@ mod axes;
 pub mod cone_sphere;
 pub mod face;
 mod face_rare;
+#[cfg(test)]
+mod face_tests;
 pub mod face_triangle;
 pub mod point_boxes;
 pub mod ray_boxes;

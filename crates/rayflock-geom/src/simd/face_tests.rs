@@ -1,0 +1,178 @@
+//! What is accepted is never rejected on a face: not by boxes, edges or depth, at any level.
+
+use glam::{DVec3, Vec3};
+use proptest::prelude::*;
+
+use super::axes::Axes;
+use super::face::{Face, FaceKind};
+use super::face_triangle::{FaceTriangle, set_up};
+use super::point_boxes::{PointBox, PointBoxes};
+use super::ray_triangle::{ShearedRay, TriangleBlock, intersect_block};
+use super::{
+    LANES, Lanes, Simd, SimdBase, SimdLevel, SimdMask, dispatch, f32x16, mask32x16, u32x16,
+};
+use crate::Ray;
+
+/// Sixteen rays of a face, and sixteen triangles around points of them.
+#[derive(Clone, Debug)]
+struct Case {
+    face: Face,
+    rays: Vec<Ray>,
+    block: TriangleBlock,
+}
+
+/// Random numbers of one ray and its triangle.
+type Draw = ([f32; 3], [f32; 3], f32, [[f32; 3]; 2], [f32; 2], f32);
+
+fn vector(scale: f32) -> impl Strategy<Value = [f32; 3]> {
+    prop::array::uniform3(-scale..scale)
+}
+
+fn draw() -> impl Strategy<Value = Draw> {
+    let size = prop_oneof![Just(1e-4_f32), Just(1e-2), Just(1.0), Just(30.0)];
+    // Barycentric coordinates on edges and corners, too.
+    let weight = prop_oneof![Just(0.0_f32), 0.0..1.0_f32];
+    let edges = prop::array::uniform2(vector(1.0));
+    (vector(1.0), vector(1.0), 0.01..20.0_f32, edges, prop::array::uniform2(weight), size)
+}
+
+fn case() -> impl Strategy<Value = Case> {
+    let draws = prop::collection::vec(draw(), LANES);
+    let scale = prop_oneof![Just(1e-3_f32), Just(1.0), Just(1e4)];
+    let shift = prop_oneof![Just(0.0_f32), Just(1e2), Just(1e5)];
+    let spread = prop_oneof![Just(1e-3_f32), Just(0.2), Just(0.9)];
+    (draws, vector(1.0), any::<bool>(), scale, shift, spread).prop_map(
+        |(draws, along, is_central, scale, shift, spread)| {
+            let along = Vec3::from(along).as_dvec3().normalize_or(DVec3::X);
+            let center = Vec3::splat(scale * shift);
+            let mut case =
+                Case { face: face(along, center), rays: Vec::new(), block: TriangleBlock::EMPTY };
+            for (lane, draw) in draws.into_iter().enumerate() {
+                let (place, noise, t, edges, weights, size) = draw;
+                let bent = (along.as_vec3() + spread * Vec3::from(noise)).normalize_or(Vec3::X);
+                let beside = center + 3.0 * scale * Vec3::from(place);
+                let (origin, direction) =
+                    if is_central { (center, bent) } else { (beside, along.as_vec3()) };
+                let ray = Ray::new(origin, direction);
+                case.block.set(lane, around(ray.at(scale * t), edges, weights, scale * size));
+                case.rays.push(ray);
+            }
+            if !is_central {
+                let reach = case.rays.iter().map(|ray| ray.origin.distance(center));
+                case.face.kind = FaceKind::Parallel { reach: reach.fold(0.0, f32::max) };
+            }
+            case
+        },
+    )
+}
+
+/// A face across `along`, for rays that share an origin.
+fn face(along: DVec3, center: Vec3) -> Face {
+    let first = along.any_orthonormal_vector();
+    let rows = [first, along.cross(first), along].map(DVec3::as_vec3);
+    Face { kind: FaceKind::Central, center, rows }
+}
+
+/// A triangle with a point at these barycentric coordinates.
+fn around(point: Vec3, edges: [[f32; 3]; 2], [u, v]: [f32; 2], size: f32) -> [Vec3; 3] {
+    let [a, b] = edges.map(|edge| size * Vec3::from(edge));
+    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+    let first = point - u * a - v * b;
+    [first, first + a, first + b]
+}
+
+/// The triangles as the face's kernels hand them on; `None` for those said to be out of reach.
+#[inline(always)]
+fn place<S: Simd>(simd: S, case: &Case) -> [Option<FaceTriangle>; LANES] {
+    let load = |column: &Lanes| f32x16::from_slice(simd, column);
+    let [a, b, c] = &case.block.corners;
+    let axes = |corner: &[Lanes; 3]| [load(&corner[0]), load(&corner[1]), load(&corner[2])];
+    let corners: [Axes<S>; 3] = [axes(a), axes(b), axes(c)];
+    let placed = case.face.project_triangles(simd, &corners);
+    let mut written = [FaceTriangle::EMPTY; LANES];
+    let nobody = [u32x16::splat(simd, 0); 3];
+    set_up(simd, &placed).store(simd, &placed.bounds, &case.block, nobody, &mut written);
+    let mut found = [None; LANES];
+    for lane in 0..LANES {
+        found[lane] = if placed.placed.test(lane) {
+            Some(written[lane])
+        } else if placed.behind.test(lane) {
+            None
+        } else {
+            case.face.place_triangle(case.block.get(lane))
+        };
+    }
+    found
+}
+
+/// Which rays and triangles are accepted but would be rejected.
+#[inline(always)]
+fn wrongly_rejected<S: Simd>(simd: S, case: &Case) -> Vec<(usize, usize, &'static str)> {
+    let mut wrong = Vec::new();
+    let placed = place(simd, case);
+    for (ray_idx, ray) in case.rays.iter().enumerate() {
+        let everywhere = mask32x16::splat(simd, true);
+        let hits = intersect_block(simd, &ShearedRay::new(ray), &case.block, everywhere);
+        for lane in (0..LANES).filter(|&lane| hits.accepted.test(lane)) {
+            // The ray looks no farther than the hit: it still counts.
+            let points = {
+                let splat = |v: Vec3| {
+                    [f32x16::splat(simd, v.x), f32x16::splat(simd, v.y), f32x16::splat(simd, v.z)]
+                };
+                case.face.project_rays(simd, splat(ray.origin), splat(ray.direction))
+            };
+            if !points.on_face.test(0) {
+                continue;
+            }
+            let limit = case.face.limit(simd, &points, f32x16::splat(simd, hits.t[lane]));
+            let Some(triangle) = &placed[lane] else {
+                wrong.push((ray_idx, lane, "out of reach"));
+                continue;
+            };
+            let bound = PointBox::around(simd, [points.x, points.y, limit], everywhere);
+            let mut boxes = PointBoxes::EMPTY;
+            boxes.set(5, &bound);
+            if boxes.touched(simd, triangle) & (1 << 5) == 0 {
+                wrong.push((ray_idx, lane, "by its box"));
+            }
+            if !triangle.may_hit(simd, [points.x, points.y, limit]).test(0) {
+                wrong.push((ray_idx, lane, "by edges or depth"));
+            }
+        }
+    }
+    wrong
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn what_is_accepted_is_never_rejected(case in case()) {
+        for level in SimdLevel::available() {
+            let wrong = dispatch!(level.level(), simd => wrongly_rejected(simd, &case));
+            prop_assert!(wrong.is_empty(), "{level}: {wrong:?}");
+        }
+    }
+}
+
+#[test]
+fn what_lies_beside_or_behind_is_rejected() {
+    let mut case = Case {
+        face: face(DVec3::Z, Vec3::ZERO),
+        rays: vec![Ray::new(Vec3::ZERO, Vec3::Z)],
+        block: TriangleBlock::EMPTY,
+    };
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    case.block.set(0, corners.map(|corner| corner + Vec3::new(-0.2, -0.2, 5.0)));
+    case.block.set(1, corners.map(|corner| corner + Vec3::new(0.2, 0.2, 5.0)));
+    case.block.set(2, corners.map(|corner| corner - 5.0 * Vec3::Z));
+    for level in SimdLevel::available() {
+        let kept = dispatch!(level.level(), simd => {
+            let zero = f32x16::splat(simd, 0.0);
+            place(simd, &case).map(|placed| {
+                placed.is_some_and(|placed| placed.may_hit(simd, [zero, zero, zero]).test(0))
+            })
+        });
+        assert_eq!(kept[..3], [true, false, false], "{level}");
+    }
+}
