@@ -119,19 +119,19 @@ impl BvhEngine {
             table: &self.table,
             batch: rays,
             trees: [&self.fresh, &self.kept],
+            bounds: self.bounds(),
             question,
         };
-        let bounds = self.bounds();
         let prim_count = self.fresh.triangle_leaves.len() * LANES;
         let block_len = block_len(rays.len(), prim_count);
-        let (level, slack, scratch) = (self.config.simd.level(), self.table.slack(), &self.scratch);
+        let (level, scratch) = (self.config.simd.level(), &self.scratch);
         let blocks = self.nearest.par_chunks_mut(block_len).enumerate();
         let counted = blocks.map(|(block_idx, nearest)| {
             let mut tracer = take(scratch);
             let first_ray = block_idx * block_len;
             let stats = dispatch!(level, simd => {
-                let mut stats =
-                    tracer.rays.fill(rays, first_ray, nearest.len(), &bounds, slack, t_bound);
+                let block = first_ray..first_ray + nearest.len();
+                let mut stats = tracer.rays.fill(simd, &asked, block, t_bound);
                 tracer.trace(simd, &asked, nearest, &mut stats);
                 stats
             });

@@ -10,6 +10,7 @@
 //! Operations are IEEE 754 without fused multiply-add wherever a result is visible, so every
 //! level gives the same bits.
 
+pub mod aligned_rays;
 mod axes;
 pub mod cone_sphere;
 pub mod face;

@@ -1,30 +1,15 @@
 //! The rays that one task traces through the trees together.
 
-use glam::Vec3;
-use rayflock_geom::simd::ray_boxes::{BoxBounds, BoxRay};
-use rayflock_geom::simd::ray_triangle::ShearedRay;
-use rayflock_geom::{Ray, RayBatch, RayState};
+use std::ops::Range;
 
+use glam::Vec3;
+use rayflock_geom::simd::aligned_rays::{AlignedRays, FACES, RayLanes};
+use rayflock_geom::simd::ray_boxes::BoxRay;
+use rayflock_geom::simd::{LANES, Simd};
+
+use super::trace_block::BlockQuestion;
 use crate::TraceStats;
 use crate::packet::{Nearest, Question};
-
-/// Faces of a cube. Rays with directions through the same face share the axes kx, ky, kz of the
-/// accepting test, and go about the same way.
-pub(super) const FACES: usize = 6;
-
-/// The axes kx, ky, kz of a face.
-pub(super) const fn face_axes(face: usize) -> [usize; 3] {
-    match face / 2 {
-        0 => [1, 2, 0],
-        1 => [2, 0, 1],
-        _ => [0, 1, 2],
-    }
-}
-
-/// Whether directions through a face go along the axis, not against it.
-pub(super) const fn goes_along(face: usize) -> bool {
-    face % 2 == 0
-}
 
 /// All that boxes and triangles need to know about a ray: one line of the cache, for rays are read
 /// far more often than anything else here.
@@ -35,7 +20,7 @@ pub(super) struct StreamRay {
     pub(super) origin: Vec3,
     /// In the same order.
     pub(super) box_ray: BoxRay,
-    /// As in [`ShearedRay`].
+    /// sx, sy and `d[kz]` of the accepting test.
     pub(super) shear: [f32; 3],
     pub(super) t_min: f32,
     /// The nearest hit so far; minus infinity when the ray looks nowhere any more.
@@ -54,21 +39,6 @@ impl StreamRay {
         t_max: f32::NEG_INFINITY,
         mask: 0,
     };
-
-    /// Prepares an active ray; also tells the face of its direction.
-    #[inline(always)]
-    fn new(ray: &Ray, bounds: &BoxBounds, slack: f32) -> (Self, usize) {
-        let ShearedRay { axes, shear, .. } = ShearedRay::new(ray);
-        let prepared = Self {
-            origin: axes.map(|axis| ray.origin[axis]).into(),
-            box_ray: BoxRay::new(ray, axes, bounds, slack),
-            shear,
-            t_min: ray.t_min,
-            t_max: ray.t_max,
-            mask: ray.mask,
-        };
-        (prepared, 2 * axes[2] + usize::from(shear[2] < 0.0))
-    }
 
     /// Makes the ray look no farther than `t`.
     #[inline(always)]
@@ -96,36 +66,66 @@ pub(super) struct RayBlock {
 }
 
 impl RayBlock {
-    /// Takes in `len` rays of a batch, for boxes within `bounds`; `t_bound` tells beyond which
-    /// hits are of no interest.
+    /// Takes in some rays of the batch; `t_bound` tells beyond which hits are of no interest.
     #[inline(always)]
-    pub(super) fn fill(
+    pub(super) fn fill<S: Simd>(
         &mut self,
-        batch: &RayBatch<'_>,
-        first_ray: usize,
-        len: usize,
-        bounds: &BoxBounds,
-        slack: f32,
+        simd: S,
+        asked: &BlockQuestion<'_>,
+        rays: Range<usize>,
         t_bound: &impl Fn(usize) -> f32,
     ) -> TraceStats {
-        let mut stats = TraceStats { rays: len as u64, ..TraceStats::default() };
-        self.first_ray = first_ray;
+        let mut stats = TraceStats { rays: rays.len() as u64, ..TraceStats::default() };
+        self.first_ray = rays.start;
         self.faces.iter_mut().for_each(Vec::clear);
-        self.rays.resize(len, StreamRay::EMPTY);
-        for (idx, place) in self.rays.iter_mut().enumerate() {
-            let ray = batch.ray(first_ray + idx);
-            match ray.state() {
-                RayState::Active => {
-                    let t_max = ray.t_max.min(t_bound(first_ray + idx));
-                    let (ray, face) = StreamRay::new(&Ray { t_max, ..ray }, bounds, slack);
-                    *place = ray;
-                    self.faces[face].push(idx as u32);
-                }
-                RayState::Inactive => {}
-                RayState::Invalid => stats.invalid_rays += 1,
-            }
+        self.rays.resize(rays.len(), StreamRay::EMPTY);
+        for first_ray in rays.clone().step_by(LANES) {
+            let count = (rays.end - first_ray).min(LANES);
+            stats.invalid_rays += self.fill_lanes(simd, asked, first_ray, count, t_bound);
         }
         stats
+    }
+
+    /// Takes in sixteen rays; returns how many are invalid.
+    #[inline(always)]
+    fn fill_lanes<S: Simd>(
+        &mut self,
+        simd: S,
+        asked: &BlockQuestion<'_>,
+        first_ray: usize,
+        count: usize,
+        t_bound: &impl Fn(usize) -> f32,
+    ) -> u64 {
+        let batch = asked.batch;
+        let mut lanes = RayLanes {
+            origin: batch.origin().lanes(first_ray),
+            direction: batch.direction().lanes(first_ray),
+            t_min: batch.t_min().lanes(first_ray),
+            t_max: batch.t_max().lanes(first_ray),
+        };
+        let (active, invalid) = lanes.states(simd);
+        for (lane, t_max) in lanes.t_max[..count].iter_mut().enumerate() {
+            *t_max = t_max.min(t_bound(first_ray + lane));
+        }
+        let masks = batch.mask().lanes(first_ray);
+        let prepared = AlignedRays::prepare(simd, &lanes, &asked.bounds, asked.table.slack());
+        let first = first_ray - self.first_ray;
+        let there = (1 << count) - 1;
+        for (lane, place) in self.rays[first..first + count].iter_mut().enumerate() {
+            if active & (1 << lane) == 0 {
+                continue;
+            }
+            *place = StreamRay {
+                origin: prepared.origin(lane),
+                box_ray: prepared.box_ray(lane),
+                shear: prepared.shear(lane),
+                t_min: lanes.t_min[lane],
+                t_max: lanes.t_max[lane],
+                mask: masks[lane],
+            };
+            self.faces[prepared.face(lane)].push((first + lane) as u32);
+        }
+        u64::from((invalid & there).count_ones())
     }
 
     /// Makes a ray look no farther than its nearest hit, or, when any hit will do, nowhere.

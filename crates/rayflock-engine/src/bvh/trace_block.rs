@@ -9,12 +9,13 @@
 //! Lists lie in one stack: a node's below those of its children. Children are visited from near
 //! to far along the first ray of the list, so that hits shorten rays early.
 
-use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxLanes, crosses};
+use rayflock_geom::simd::aligned_rays::{FACES, face_axes, goes_along};
+use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxBounds, BoxLanes, crosses};
 use rayflock_geom::simd::ray_triangle::{AlignedBlock, intersect_aligned};
 use rayflock_geom::simd::{LANES, Simd, SimdBase, SimdMask, mask32x16, u32x16};
 use rayflock_geom::{Ray, RayBatch};
 
-use super::ray_block::{FACES, RayBlock, face_axes, goes_along};
+use super::ray_block::RayBlock;
 use super::tree::{Child, Tree, TriangleLeaf};
 use crate::TraceStats;
 use crate::packet::{Nearest, Question, TracePacket};
@@ -26,6 +27,8 @@ pub(super) struct BlockQuestion<'a> {
     pub(super) batch: &'a RayBatch<'a>,
     /// In the order in which they are traced.
     pub(super) trees: [&'a Tree; 2],
+    /// The box around everything in the trees.
+    pub(super) bounds: BoxBounds,
     pub(super) question: Question,
 }
 

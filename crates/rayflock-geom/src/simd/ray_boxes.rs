@@ -29,23 +29,22 @@ use glam::Vec3;
 
 use super::axes::load_ordered_axes;
 use super::{Lanes, Simd, SimdBase, f32x16, mask32x16};
-use crate::Ray;
 
 /// Coordinates of a scaled direction below this are taken for it, so that quotients are finite.
-const THINNEST: f32 = 1.0 / (1 << 30) as f32;
+pub(super) const THINNEST: f32 = 1.0 / (1 << 30) as f32;
 
 /// Rays from which something is farther away than this cross every box: 2^30 times it is still
 /// finite.
-const LARGEST_DISTANCE: f32 = 1e27;
+pub(super) const LARGEST_DISTANCE: f32 = 1e27;
 
 /// Rays with directions smaller than this cross every box: 2^-30 times it has all its digits.
-const SMALLEST_SIZE: f32 = 1e-28;
+pub(super) const SMALLEST_SIZE: f32 = 1e-28;
 
 /// More than what products can lose to underflow.
-const UNDERFLOW: f32 = 1e-36;
+pub(super) const UNDERFLOW: f32 = 1e-36;
 
 /// More than the rounding of a `t` so small that it has fewer digits.
-const COARSEST_T: f32 = 1e-44;
+pub(super) const COARSEST_T: f32 = 1e-44;
 
 /// More than the rounding of a sum, relative to it.
 const CORNER_ERROR: f32 = 2.0 * f32::EPSILON;
@@ -149,18 +148,19 @@ impl BoxBounds {
     }
 }
 
-/// What the test needs to know about one ray, beside its origin.
+/// What the test needs to know about one ray, beside its origin; made by
+/// [`AlignedRays`](super::aligned_rays::AlignedRays).
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct BoxRay {
     /// One by each coordinate of the direction, scaled.
-    inverse: [f32; 3],
+    pub(super) inverse: [f32; 3],
     /// By how much half sizes are enlarged.
-    margin: f32,
+    pub(super) margin: f32,
     /// Smallest distance, in multiples of the scaled direction.
-    t_min: f32,
+    pub(super) t_min: f32,
     /// Largest distance, likewise.
-    t_max: f32,
+    pub(super) t_max: f32,
 }
 
 impl BoxRay {
@@ -168,42 +168,11 @@ impl BoxRay {
     pub const EMPTY: Self =
         Self { inverse: [1.0; 3], margin: 0.0, t_min: f32::INFINITY, t_max: f32::NEG_INFINITY };
 
-    /// Prepares an active ray for boxes within `bounds`; its coordinates, here and in [`crosses`],
-    /// are those of `axes` in their order. `slack` is relative to the distances at hand, at least
-    /// [`SLACK`](super::cone_sphere::SLACK).
-    #[inline(always)]
-    pub fn new(ray: &Ray, axes: [usize; 3], bounds: &BoxBounds, slack: f32) -> Self {
-        let size = Self::size(ray.direction);
-        let thick = ray.direction.abs().max(Vec3::splat(THINNEST * size)).copysign(ray.direction);
-        let farthest = ((bounds.center - ray.origin).abs() + bounds.half_size).max_element();
-        let margin = slack * farthest + (UNDERFLOW + COARSEST_T * size);
-        let in_range = farthest <= LARGEST_DISTANCE && size >= SMALLEST_SIZE;
-        let inverse = size / thick;
-        Self {
-            inverse: axes.map(|axis| if in_range { inverse[axis] } else { 1.0 }),
-            margin: if in_range { margin } else { f32::INFINITY },
-            t_min: ray.t_min * size,
-            t_max: ray.t_max * size,
-        }
-    }
-
-    /// What a direction is divided by: its largest coordinate, without its sign.
-    #[inline(always)]
-    pub fn size(direction: Vec3) -> f32 {
-        direction.abs().max_element()
-    }
-
-    /// Makes `t`, in multiples of the ray's own direction, the end of the interval; `size` is that
-    /// of the direction.
+    /// Makes `t`, in multiples of the ray's own direction, the end of the interval; `size` is the
+    /// largest coordinate of the direction, without its sign.
     #[inline(always)]
     pub fn set_t_max(&mut self, t: f32, size: f32) {
         self.t_max = t * size;
-    }
-
-    /// About the direction, scaled.
-    #[inline(always)]
-    pub fn direction(&self) -> Vec3 {
-        Vec3::from(self.inverse).recip()
     }
 }
 

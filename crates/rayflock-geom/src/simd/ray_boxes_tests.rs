@@ -1,12 +1,13 @@
 use proptest::prelude::*;
 
+use super::super::aligned_rays::{AlignedRays, RayLanes, face_axes};
 use super::super::cone_sphere::{SLACK, SphereBlock};
 use super::super::ray_sphere::{SphereRays, intersect_sphere};
 use super::super::ray_triangle::{ShearedRay, TriangleBlock, intersect_block};
 use super::super::triangle_boxes::{around_spheres, around_triangles};
 use super::super::{SimdLevel, SimdMask, dispatch};
 use super::*;
-use crate::Sphere;
+use crate::{Ray, Sphere};
 
 const LANE: usize = 6;
 
@@ -60,9 +61,7 @@ fn crossed(ray: &Ray, content: Content, room: &BoxBounds) -> Vec<bool> {
             parent.set(0, &bounds);
             parent.pad(1);
             parent.set(LANE, &parent.around(simd));
-            let axes = [1, 2, 0];
-            let origin = Vec3::from(axes.map(|axis| ray.origin[axis]));
-            let prepared = BoxRay::new(ray, axes, &bounds.union(room), SLACK);
+            let (origin, prepared, axes) = prepare(simd, ray, &bounds.union(room));
             let is_crossed = |block: &BoxBlock| {
                 crosses(simd, origin, &prepared, &block.load(simd, axes)).test(LANE)
             };
@@ -70,6 +69,19 @@ fn crossed(ray: &Ray, content: Content, room: &BoxBounds) -> Vec<bool> {
         })
     };
     SimdLevel::available().into_iter().map(at_level).collect()
+}
+
+/// Prepares a ray for boxes within some bounds; also tells its origin in the order of its axes.
+#[inline(always)]
+fn prepare<S: Simd>(simd: S, ray: &Ray, bounds: &BoxBounds) -> (Vec3, BoxRay, [usize; 3]) {
+    let rays = RayLanes {
+        origin: ray.origin.to_array().map(|coordinate| [coordinate; 16]),
+        direction: ray.direction.to_array().map(|coordinate| [coordinate; 16]),
+        t_min: [ray.t_min; 16],
+        t_max: [ray.t_max; 16],
+    };
+    let prepared = AlignedRays::prepare(simd, &rays, bounds, SLACK);
+    (prepared.origin(LANE), prepared.box_ray(LANE), face_axes(prepared.face(LANE)))
 }
 
 /// Bounds of something else, as they might lie around a box.
@@ -221,17 +233,16 @@ fn a_ray_cut_short_crosses_what_lies_nearer() {
     block.set(0, &bounds);
     block.pad(1);
     let ray = Ray::new(Vec3::ZERO, 0.5 * Vec3::Z);
-    let axes = [0, 1, 2];
-    let mut prepared = BoxRay::new(&ray, axes, &bounds, SLACK);
+    let (origin, mut prepared, axes) =
+        dispatch!(SimdLevel::best().level(), simd => prepare(simd, &ray, &bounds));
     let count = |prepared: &BoxRay| {
         dispatch!(SimdLevel::best().level(), simd => {
-            let crossed = crosses(simd, ray.origin, prepared, &block.load(simd, axes));
+            let crossed = crosses(simd, origin, prepared, &block.load(simd, axes));
             crossed.to_bitmask().count_ones()
         })
     };
     assert_eq!(count(&prepared), 16);
-    assert!(prepared.direction().abs_diff_eq(Vec3::Z, 1e-6));
-    let size = BoxRay::size(ray.direction);
+    let size = 0.5;
     prepared.set_t_max(8.5, size);
     assert_eq!(count(&prepared), 16);
     prepared.set_t_max(7.9, size);
