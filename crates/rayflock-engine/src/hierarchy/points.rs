@@ -4,7 +4,7 @@
 //! ```text
 //!   choose faces      one plane across all rays, or the six sides of a cube around their origin
 //!   arrange           rays into tiles that are close on a face: as the caller's hint says, or
-//!                     sorted along a Morton curve
+//!                     sorted along a Hilbert curve
 //!   bound_tiles       boxes around the points of each tile, then boxes of sixteen boxes
 //!   stream_triangles  project all triangles; set up those in reach, list them for the tiles they
 //!                     touch
@@ -361,9 +361,11 @@ fn bound_tile<S: Simd, F: Fn(usize) -> f32>(
         let states = columns.states(simd);
         let points = face.project_rays(simd, columns.origin(simd), columns.direction(simd));
         let limit = face.limit(simd, &points, f32x16::from_slice(simd, &columns.t_max));
-        let bound = PointBox::around(simd, [points.x, points.y, limit], states.active);
+        let begin = face.begin(simd, &points, f32x16::from_slice(simd, &columns.t_min));
+        let around = [points.x, points.y, limit, begin];
+        let bound = PointBox::around(simd, around, states.active);
         let extent = points.x.abs() + points.y.abs() + points.start.abs();
-        let extent = PointBox::around(simd, [extent; 3], states.active);
+        let extent = PointBox::around(simd, [extent; 4], states.active);
         let is_lost = states.looks_back | (states.active & !points.on_face).any_true();
         let reach = extent.bounds[1].max(0.0);
         let invalid_count = states.invalid_count;

@@ -142,22 +142,42 @@ impl Face {
     /// infinity where numbers are out of range.
     #[inline(always)]
     pub fn limit<S: Simd>(&self, simd: S, points: &RayPoints<S>, t_far: f32x16<S>) -> f32x16<S> {
+        self.nearness(simd, points, t_far, -1.0)
+    }
+
+    /// The largest nearness at which rays accept hits from `t_min` on, raised for rounding;
+    /// infinity where numbers are out of range.
+    #[inline(always)]
+    pub fn begin<S: Simd>(&self, simd: S, points: &RayPoints<S>, t_min: f32x16<S>) -> f32x16<S> {
+        self.nearness(simd, points, t_min, 1.0)
+    }
+
+    /// Nearness at `t`, moved for rounding into the direction of `sign`.
+    #[inline(always)]
+    fn nearness<S: Simd>(
+        &self,
+        simd: S,
+        points: &RayPoints<S>,
+        t: f32x16<S>,
+        sign: f32,
+    ) -> f32x16<S> {
         let splat = f32x16::splat;
-        let way = t_far * points.pace;
+        let way = t * points.pace;
         let smallest = splat(simd, SMALLEST);
-        let (limit, in_range) = match self.kind {
+        let (nearness, in_range) = match self.kind {
             FaceKind::Central => {
-                let slack = 1.0 - 2.0 * PERTURBATION;
-                (splat(simd, slack) / way, way.simd_ge(smallest) & t_far.simd_ge(smallest))
+                let moved = splat(simd, 1.0 + sign * 2.0 * PERTURBATION) / way;
+                (moved, way.simd_ge(smallest) & t.simd_ge(smallest))
             }
             FaceKind::Parallel { .. } => {
                 let extent = points.x.abs() + points.y.abs() + points.start.abs() + way.abs();
                 let slack = splat(simd, PERTURBATION) * extent + splat(simd, f32::MIN_POSITIVE);
-                (-(points.start + way + slack), t_far.simd_ge(splat(simd, 0.0)))
+                let moved = slack * splat(simd, sign) - (points.start + way);
+                (moved, t.simd_ge(splat(simd, 0.0)))
             }
         };
         let in_range = in_range & points.pace.simd_ge(smallest);
-        in_range.select(limit, splat(simd, f32::NEG_INFINITY))
+        in_range.select(nearness, splat(simd, sign * f32::INFINITY))
     }
 
     /// Places triangles on the face, given the columns of their corners.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   edge(x, y) = A x + B y + C      not negative on the triangle
-//!   near(x, y) = a x + b y + c      at least the nearness of any hit
+//!   near(x, y) = a x + b y + c      at least the nearness of any hit, at most `spread` more
 //! ```
 //!
 //! Rejecting only. With `m` the margin of the face, `d` width plus height of the triangle's box and
@@ -44,6 +44,10 @@ pub struct TrianglePlanes<S: Simd> {
     pub near: [f32x16<S>; 3],
     /// The largest nearness of a hit anywhere.
     pub nearest: f32x16<S>,
+    /// The least nearness of a hit anywhere.
+    pub farthest: f32x16<S>,
+    /// By how much the nearness of a hit may be less than the plane says.
+    pub spread: f32x16<S>,
 }
 
 /// A triangle on its way to the rays: what its face knows about it, and itself.
@@ -53,15 +57,18 @@ pub struct FaceTriangle {
     /// A, B, C of three edges, then a, b, c of the nearness; last the box: least and largest x,
     /// least and largest y.
     pub planes: Lanes,
-    /// Corners, nine coordinates; the largest nearness; then bits of slot, rank and mask.
+    /// Corners, nine coordinates; the largest nearness, the least, the spread; then bits of slot,
+    /// rank and mask.
     pub primitive: Lanes,
 }
 
 /// Places in [`FaceTriangle::primitive`].
 const NEAREST: usize = 9;
-const SLOT: usize = 10;
-const RANK: usize = 11;
-const MASK: usize = 12;
+const FARTHEST: usize = 10;
+const SPREAD: usize = 11;
+const SLOT: usize = 12;
+const RANK: usize = 13;
+const MASK: usize = 14;
 
 impl FaceTriangle {
     /// Nothing, to be overwritten.
@@ -76,6 +83,8 @@ impl FaceTriangle {
         let bounds = bounds.map(|bound| bound.clamp(f32::MIN, f32::MAX));
         all.planes[12..].copy_from_slice(&bounds);
         all.primitive[NEAREST] = nearest;
+        all.primitive[FARTHEST] = f32::NEG_INFINITY;
+        all.primitive[SPREAD] = f32::INFINITY;
         all
     }
 
@@ -107,6 +116,12 @@ impl FaceTriangle {
         self.primitive[NEAREST]
     }
 
+    /// The least nearness of a hit.
+    #[inline(always)]
+    pub fn farthest(&self) -> f32 {
+        self.primitive[FARTHEST]
+    }
+
     /// The slot.
     #[inline(always)]
     pub fn slot(&self) -> u32 {
@@ -131,17 +146,18 @@ impl FaceTriangle {
         [self.planes[12], self.planes[13], self.planes[14], self.planes[15]]
     }
 
-    /// Which of sixteen rays may hit the triangle: points, and the least nearness at which each
-    /// ray accepts a hit.
+    /// Which of sixteen rays may hit the triangle: points, the least and the largest nearness at
+    /// which each ray accepts a hit.
     #[inline(always)]
-    pub fn may_hit<S: Simd>(&self, simd: S, [x, y, limit]: [f32x16<S>; 3]) -> mask32x16<S> {
+    pub fn may_hit<S: Simd>(&self, simd: S, [x, y, limit, begin]: [f32x16<S>; 4]) -> mask32x16<S> {
         let p = &self.planes;
         let a = plane(simd, [p[0], p[1], p[2]], x, y);
         let b = plane(simd, [p[3], p[4], p[5]], x, y);
         let c = plane(simd, [p[6], p[7], p[8]], x, y);
         let near = plane(simd, [p[9], p[10], p[11]], x, y);
         let zero = f32x16::splat(simd, 0.0);
-        !(a.min(b).min(c).simd_lt(zero) | near.simd_lt(limit))
+        let before = (near - f32x16::splat(simd, self.primitive[SPREAD])).simd_gt(begin);
+        !(a.min(b).min(c).simd_lt(zero) | near.simd_lt(limit) | before)
     }
 }
 
@@ -174,7 +190,8 @@ pub fn set_up<S: Simd>(simd: S, on_face: &FaceTriangles<S>) -> TrianglePlanes<S>
 
     // The plane of nearness through the corners, and by how much to raise it.
     let most = near[0].max(near[1]).max(near[2]);
-    let range = most - near[0].min(near[1]).min(near[2]);
+    let least = near[0].min(near[1]).min(near[2]);
+    let range = most - least;
     let (near1, near2) = (near[1] - near[0], near[2] - near[0]);
     let inverse = splat(simd, 1.0) / area;
     let a = (near1 * y2 - near2 * y1) * inverse;
@@ -184,11 +201,12 @@ pub fn set_up<S: Simd>(simd: S, on_face: &FaceTriangles<S>) -> TrianglePlanes<S>
     let raised = range * sliver * splat(simd, 36.0 * UNIT).mul_add(sliver, tilt) + near_margin;
     let c = near[0] - (a * x[0] + b * y[0]) + raised;
 
-    let nearest = most + near_margin;
+    let (nearest, farthest) = (most + near_margin, least - near_margin);
     let is_plane = sliver.simd_lt(splat(simd, SLIVER));
     let zero = splat(simd, 0.0);
     let near = [is_plane.select(a, zero), is_plane.select(b, zero), is_plane.select(c, nearest)];
-    TrianglePlanes { edges, near, nearest }
+    let spread = is_plane.select(raised + raised, nearest - farthest);
+    TrianglePlanes { edges, near, nearest, farthest, spread }
 }
 
 /// The edge function that grows to the inside, raised by `widened`.
@@ -236,11 +254,11 @@ impl<S: Simd> TrianglePlanes<S> {
             load(2, 1),
             load(2, 2),
             self.nearest,
+            self.farthest,
+            self.spread,
             identity[0].bitcast(),
             identity[1].bitcast(),
             identity[2].bitcast(),
-            zero,
-            zero,
             zero,
         ]);
         for lane in 0..LANES {

@@ -4,7 +4,7 @@
 //! functions and nearness are evaluated by the same operations, which are monotone, at the corners
 //! of the box where they are largest.
 //!
-//! **Cost.** Five comparisons; 18 operations more for the edges where several boxes are touched.
+//! **Cost.** Six comparisons; 18 operations more for the edges where several boxes are touched.
 
 use super::face_triangle::FaceTriangle;
 use super::{LANES, Lanes, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
@@ -20,6 +20,8 @@ pub struct PointBoxes {
     pub bounds: [Lanes; 4],
     /// The least nearness at which any ray in the box accepts a hit.
     pub limit: Lanes,
+    /// The largest such nearness.
+    pub begin: Lanes,
 }
 
 impl PointBoxes {
@@ -32,6 +34,7 @@ impl PointBoxes {
             [f32::NEG_INFINITY; LANES],
         ],
         limit: [f32::INFINITY; LANES],
+        begin: [f32::NEG_INFINITY; LANES],
     };
 
     /// Empties one box.
@@ -47,6 +50,7 @@ impl PointBoxes {
             column[lane] = bound;
         }
         self.limit[lane] = one.limit;
+        self.begin[lane] = one.begin;
     }
 
     /// The box around all sixteen.
@@ -55,7 +59,8 @@ impl PointBoxes {
         for lane in 0..LANES {
             let [x0, x1, y0, y1] = &self.bounds;
             let bounds = [x0[lane], x1[lane], y0[lane], y1[lane]];
-            union = union.union(&PointBox { bounds, limit: self.limit[lane] });
+            union =
+                union.union(&PointBox { bounds, limit: self.limit[lane], begin: self.begin[lane] });
         }
         union
     }
@@ -73,7 +78,8 @@ impl PointBoxes {
             | right.simd_lt(splat(simd, x0))
             | low.simd_gt(splat(simd, y1))
             | high.simd_lt(splat(simd, y0))
-            | load(simd, &self.limit).simd_gt(splat(simd, triangle.nearest()));
+            | load(simd, &self.limit).simd_gt(splat(simd, triangle.nearest()))
+            | load(simd, &self.begin).simd_lt(splat(simd, triangle.farthest()));
         let near = !apart;
         let bits = near.to_bitmask() as u32;
         if bits.count_ones() <= FEW {
@@ -108,6 +114,8 @@ pub struct PointBox {
     pub bounds: [f32; 4],
     /// The least nearness at which any ray in the box accepts a hit.
     pub limit: f32,
+    /// The largest such nearness.
+    pub begin: f32,
 }
 
 impl PointBox {
@@ -115,13 +123,14 @@ impl PointBox {
     pub const EMPTY: Self = Self {
         bounds: [f32::INFINITY, f32::NEG_INFINITY, f32::INFINITY, f32::NEG_INFINITY],
         limit: f32::INFINITY,
+        begin: f32::NEG_INFINITY,
     };
 
     /// The box around both.
     pub fn union(&self, other: &Self) -> Self {
         let ([a0, a1, a2, a3], [b0, b1, b2, b3]) = (self.bounds, other.bounds);
         let bounds = [a0.min(b0), a1.max(b1), a2.min(b2), a3.max(b3)];
-        Self { bounds, limit: self.limit.min(other.limit) }
+        Self { bounds, limit: self.limit.min(other.limit), begin: self.begin.max(other.begin) }
     }
 
     /// Width times height; 0 without points.
@@ -137,7 +146,11 @@ impl PointBox {
 
     /// The box around the points of the `active` rays.
     #[inline(always)]
-    pub fn around<S: Simd>(simd: S, [x, y, limit]: [f32x16<S>; 3], active: mask32x16<S>) -> Self {
+    pub fn around<S: Simd>(
+        simd: S,
+        [x, y, limit, begin]: [f32x16<S>; 4],
+        active: mask32x16<S>,
+    ) -> Self {
         use super::Select;
         let most = f32x16::splat(simd, f32::INFINITY);
         let least = f32x16::splat(simd, f32::NEG_INFINITY);
@@ -147,6 +160,10 @@ impl PointBox {
             simd.reduce_min_f32x16(active.select(y, most)),
             simd.reduce_max_f32x16(active.select(y, least)),
         ];
-        Self { bounds, limit: simd.reduce_min_f32x16(active.select(limit, most)) }
+        Self {
+            bounds,
+            limit: simd.reduce_min_f32x16(active.select(limit, most)),
+            begin: simd.reduce_max_f32x16(active.select(begin, least)),
+        }
     }
 }

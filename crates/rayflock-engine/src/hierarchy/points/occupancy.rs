@@ -194,7 +194,7 @@ mod tests {
     #[test]
     fn a_box_with_a_point_in_it_is_kept() {
         let mut rng = Rng::new(41);
-        let bound = PointBox { bounds: [-1.0, 3.0, 0.5, 2.0], limit: 0.0 };
+        let bound = PointBox { bounds: [-1.0, 3.0, 0.5, 2.0], limit: 0.0, begin: 0.0 };
         for simd in SimdLevel::available() {
             let mut occupancy = Occupancy::default();
             occupancy.clear(&bound, 64);

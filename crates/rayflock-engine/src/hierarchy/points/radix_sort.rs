@@ -39,6 +39,9 @@ impl RadixSorter {
 
     /// Sorts by the lower `key_bits` of the keys; those above must be 0.
     pub(super) fn sort(&mut self, key_bits: u32) {
+        if self.sorted.is_empty() {
+            return;
+        }
         let pass_count = key_bits.div_ceil(LARGEST_DIGIT).max(1);
         let digit_bits = key_bits.div_ceil(pass_count);
         for pass in 0..pass_count {

@@ -1,4 +1,4 @@
-//! Sorts rays by their place on the faces, along a Morton curve.
+//! Sorts rays by their place on the faces, along a Hilbert curve.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
@@ -181,7 +181,7 @@ fn write_keys<S: Simd>(
                 let side = f32x16::splat(simd, 1.0);
                 here &= points.x.abs().simd_le(side) & points.y.abs().simd_le(side);
             }
-            let curve = morton(simd, window, points.x, points.y);
+            let curve = curve(simd, window, points.x, points.y);
             let key = curve | u32x16::splat(simd, (face_idx as u32) << window.curve_bits);
             keys = here.select(key, keys);
             left &= !here;
@@ -196,23 +196,57 @@ fn write_keys<S: Simd>(
 
 /// Places of points along the curve, outside the window at its border.
 #[inline(always)]
-fn morton<S: Simd>(simd: S, window: &Window, x: f32x16<S>, y: f32x16<S>) -> u32x16<S> {
-    let cell = |value: f32x16<S>, axis: usize| value - window.low[axis];
-    let most = f32x16::splat(simd, ((1 << (window.curve_bits / 2)) - 1) as f32);
+fn curve<S: Simd>(simd: S, window: &Window, x: f32x16<S>, y: f32x16<S>) -> u32x16<S> {
+    let axis_bits = window.curve_bits / 2;
+    let most = f32x16::splat(simd, ((1 << axis_bits) - 1) as f32);
     let zero = f32x16::splat(simd, 0.0);
-    let x = (cell(x, 0) * window.scale[0]).max(zero).min(most);
-    let y = (cell(y, 1) * window.scale[1]).max(zero).min(most);
-    let x = u32x16::truncate_from_precise(x);
-    let y = u32x16::truncate_from_precise(y);
-    spread(simd, x) | (spread(simd, y) << 1)
+    let x = ((x - window.low[0]) * window.scale[0]).max(zero).min(most);
+    let y = ((y - window.low[1]) * window.scale[1]).max(zero).min(most);
+    hilbert(simd, u32x16::truncate_from_precise(x), u32x16::truncate_from_precise(y), axis_bits)
 }
 
-/// Moves bit i of the lower half to bit 2i.
+/// Places along the Hilbert curve: by quadrants from the largest down, each turned so that the
+/// curve enters it where it left the one before.
 #[inline(always)]
-fn spread<S: Simd>(simd: S, value: u32x16<S>) -> u32x16<S> {
-    let mask = |bits: u32| u32x16::splat(simd, bits);
-    let bits = (value | (value << 8)) & mask(0x00ff_00ff);
-    let bits = (bits | (bits << 4)) & mask(0x0f0f_0f0f);
-    let bits = (bits | (bits << 2)) & mask(0x3333_3333);
-    (bits | (bits << 1)) & mask(0x5555_5555)
+fn hilbert<S: Simd>(simd: S, mut x: u32x16<S>, mut y: u32x16<S>, axis_bits: u32) -> u32x16<S> {
+    let splat = u32x16::splat;
+    let (zero, one) = (splat(simd, 0), splat(simd, 1));
+    let mut place = zero;
+    for bit in (0..axis_bits).rev() {
+        let (right, upper) = ((x >> bit) & one, (y >> bit) & one);
+        place = (place << 2) | (right << 1) | (right ^ upper);
+        // Lower quadrants are mirrored at a diagonal, the one to the right at the other diagonal.
+        let is_lower = upper.simd_eq(zero);
+        let flip = right.simd_eq(one) & is_lower;
+        let flipped = flip.select(splat(simd, u32::MAX), zero);
+        let (turned_x, turned_y) = (y ^ flipped, x ^ flipped);
+        x = is_lower.select(turned_x, x);
+        y = is_lower.select(turned_y, y);
+    }
+    place
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_curve_visits_every_cell_and_goes_from_cell_to_neighbour() {
+        for level in SimdLevel::available() {
+            let mut cells = [None; 256];
+            for row in 0..16 {
+                let places = dispatch!(level.level(), simd => {
+                    let columns = u32x16::from_fn(simd, |lane| lane as u32);
+                    *hilbert(simd, columns, u32x16::splat(simd, row), 4)
+                });
+                for (column, place) in places.into_iter().enumerate() {
+                    cells[place as usize] = Some((column as i32, row as i32));
+                }
+            }
+            for pair in cells.windows(2) {
+                let [Some(a), Some(b)] = [pair[0], pair[1]] else { panic!("a cell is missing") };
+                assert_eq!((a.0 - b.0).abs() + (a.1 - b.1).abs(), 1, "{a:?} to {b:?}");
+            }
+        }
+    }
 }
