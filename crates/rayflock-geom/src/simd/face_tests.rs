@@ -114,7 +114,7 @@ fn wrongly_rejected<S: Simd>(simd: S, case: &Case) -> Vec<(usize, usize, &'stati
         let everywhere = mask32x16::splat(simd, true);
         let hits = intersect_block(simd, &ShearedRay::new(ray), &case.block, everywhere);
         for lane in (0..LANES).filter(|&lane| hits.accepted.test(lane)) {
-            // The ray looks no farther than the hit: it still counts.
+            // The ray looks nowhere but at the hit: it still counts.
             let points = {
                 let splat = |v: Vec3| {
                     [f32x16::splat(simd, v.x), f32x16::splat(simd, v.y), f32x16::splat(simd, v.z)]
@@ -124,18 +124,21 @@ fn wrongly_rejected<S: Simd>(simd: S, case: &Case) -> Vec<(usize, usize, &'stati
             if !points.on_face.test(0) {
                 continue;
             }
-            let limit = case.face.limit(simd, &points, f32x16::splat(simd, hits.t[lane]));
+            let t = f32x16::splat(simd, hits.t[lane]);
+            let limit = case.face.limit(simd, &points, t);
+            let begin = case.face.begin(simd, &points, t);
+            let place = [points.x, points.y, limit, begin];
             let Some(triangle) = &placed[lane] else {
                 wrong.push((ray_idx, lane, "out of reach"));
                 continue;
             };
-            let bound = PointBox::around(simd, [points.x, points.y, limit], everywhere);
+            let bound = PointBox::around(simd, place, everywhere);
             let mut boxes = PointBoxes::EMPTY;
             boxes.set(5, &bound);
             if boxes.touched(simd, triangle) & (1 << 5) == 0 {
                 wrong.push((ray_idx, lane, "by its box"));
             }
-            if !triangle.may_hit(simd, [points.x, points.y, limit]).test(0) {
+            if !triangle.may_hit(simd, place).test(0) {
                 wrong.push((ray_idx, lane, "by edges or depth"));
             }
         }
@@ -169,8 +172,9 @@ fn what_lies_beside_or_behind_is_rejected() {
     for level in SimdLevel::available() {
         let kept = dispatch!(level.level(), simd => {
             let zero = f32x16::splat(simd, 0.0);
+            let infinite = f32x16::splat(simd, f32::INFINITY);
             place(simd, &case).map(|placed| {
-                placed.is_some_and(|placed| placed.may_hit(simd, [zero, zero, zero]).test(0))
+                placed.is_some_and(|placed| placed.may_hit(simd, [zero, zero, zero, infinite]).test(0))
             })
         });
         assert_eq!(kept[..3], [true, false, false], "{level}");

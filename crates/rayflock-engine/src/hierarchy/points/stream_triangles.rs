@@ -44,13 +44,15 @@ impl Staged {
         kept: mask32x16<S>,
     ) {
         let place = self.len..self.len + LANES;
-        for corner in 0..3 {
-            for axis in 0..3 {
-                let column = &mut self.corners[corner][axis][place.clone()];
-                simd.compress_f32x16(corners[corner][axis], kept).store_slice(column);
+        for (columns, corner) in self.corners.iter_mut().zip(corners) {
+            for (column, &axis) in columns.iter_mut().zip(corner) {
+                let kept = simd.compress_f32x16(axis, kept);
+                kept.store_slice(&mut column[place.clone()]);
             }
-            let column = &mut self.identity[corner][place.clone()];
-            simd.compress_u32x16(identity[corner], kept).store_slice(column);
+        }
+        for (column, identity) in self.identity.iter_mut().zip(identity) {
+            let kept = simd.compress_u32x16(identity, kept);
+            kept.store_slice(&mut column[place.clone()]);
         }
         self.len += kept.to_bitmask().count_ones() as usize;
     }
@@ -58,14 +60,15 @@ impl Staged {
     /// Takes out the first sixteen triangles.
     #[inline(always)]
     fn take(&mut self, block: &mut TriangleBlock, identity: &mut [[u32; LANES]; 3]) {
-        for corner in 0..3 {
-            for axis in 0..3 {
-                let column = &mut self.corners[corner][axis];
-                block.corners[corner][axis].copy_from_slice(&column[..LANES]);
+        for (columns, corner) in self.corners.iter_mut().zip(&mut block.corners) {
+            for (column, axis) in columns.iter_mut().zip(corner) {
+                axis.copy_from_slice(&column[..LANES]);
                 column.copy_within(LANES.., 0);
             }
-            identity[corner].copy_from_slice(&self.identity[corner][..LANES]);
-            self.identity[corner].copy_within(LANES.., 0);
+        }
+        for (column, identity) in self.identity.iter_mut().zip(identity) {
+            identity.copy_from_slice(&column[..LANES]);
+            column.copy_within(LANES.., 0);
         }
         self.len = self.len.saturating_sub(LANES);
     }
