@@ -1,8 +1,8 @@
 //! What engines take: the shipped figures, corrected by what recent frames took.
 //!
 //! For each kind of situation and member stands the ratio of measured to shipped time. A situation
-//! that was never met takes the mean ratio of the member, a little less: an engine that might be
-//! the best is tried once. A ratio that is not measured again sinks slowly, so that one bad moment
+//! that a member never met takes its ratio in the one most alike, the less the farther that is,
+//! and a little less: an engine that might be the best is tried once. A ratio that is not measured again sinks slowly, so that one bad moment
 //! of the machine does not rule an engine out for good.
 //!
 //! **Cost.** A search in a table of the situations met; memory grows with their kinds only.
@@ -51,8 +51,6 @@ pub(super) struct CostModel {
     /// By situation, and by whether it was the member's first batch of the frame.
     traces: BTreeMap<(SituationKey, bool), Ratios>,
     commits: Ratios,
-    /// Over all situations.
-    overall: Ratios,
 }
 
 impl CostModel {
@@ -61,8 +59,18 @@ impl CostModel {
     pub(super) fn trace_ns(&self, member_idx: usize, situation: &Situation, is_fresh: bool) -> f32 {
         let known = self.traces.get(&(situation.key(), is_fresh));
         let ratio = known.and_then(|ratios| ratios[member_idx].0);
-        let ratio = ratio.unwrap_or_else(|| OPTIMISM * self.overall[member_idx].0.unwrap_or(1.0));
+        let ratio = ratio.unwrap_or_else(|| OPTIMISM * self.guess(member_idx, &situation.key()));
         ratio * prior::trace_ns(MEMBERS[member_idx], situation, is_fresh)
+    }
+
+    /// The ratio of a member in the situation that is most alike, drawn towards 1 with distance.
+    fn guess(&self, member_idx: usize, key: &SituationKey) -> f32 {
+        let known = self
+            .traces
+            .iter()
+            .filter_map(|((other, _), ratios)| Some((key.distance(other)?, ratios[member_idx].0?)));
+        let nearest = known.min_by_key(|&(distance, _)| distance);
+        nearest.map_or(1.0, |(distance, ratio)| ratio.powf(1.0 / (1 + distance) as f32))
     }
 
     /// Nanoseconds that a member is expected to take for a commit.
@@ -79,7 +87,6 @@ impl CostModel {
         took_ns: f32,
     ) {
         let measured = took_ns / prior::trace_ns(MEMBERS[member_idx], situation, is_fresh);
-        self.overall[member_idx].learn(measured);
         let ratios = self.traces.entry((situation.key(), is_fresh)).or_default();
         for (idx, ratio) in ratios.iter_mut().enumerate() {
             if idx == member_idx { ratio.learn(measured) } else { ratio.sink() }
@@ -111,10 +118,9 @@ mod tests {
         assert_eq!(model.trace_ns(0, &here, true), 5e6);
         let alike = model.trace_ns(0, &situation(6000, RayClass::Unordered), true);
         assert!((5e6..10e6).contains(&alike), "{alike}");
-        let other = model.trace_ns(0, &situation(4096, RayClass::SharedOrigin), true);
-        let prior = prior::trace_ns(MEMBERS[0], &situation(4096, RayClass::SharedOrigin), true);
-        let overall = 5e6 / prior::trace_ns(MEMBERS[0], &here, true);
-        assert!((other / (OPTIMISM * overall * prior) - 1.0).abs() < 1e-5, "{other}");
+        let other = situation(4096, RayClass::SharedOrigin);
+        let expected = OPTIMISM * prior::trace_ns(MEMBERS[0], &other, true);
+        assert_eq!(model.trace_ns(0, &other, true), expected, "other rays, other costs");
     }
 
     #[test]

@@ -14,51 +14,63 @@ struct Coefficients {
     fixed: f32,
     /// A primitive.
     prim: f32,
+    /// A primitive near a ray: eight a ray at most.
+    near_prim: f32,
     /// A primitive that changed, once a frame, when the first batch comes.
     fresh_prim: f32,
     /// A ray.
     ray: f32,
-    /// A ray, for each doubling of the primitives.
+    /// A ray, for each doubling of the primitives from 1024 on.
     ray_level: f32,
     /// A ray and a primitive.
     test: f32,
 }
 
-const NOTHING: Coefficients =
-    Coefficients { fixed: 0.0, prim: 0.0, fresh_prim: 0.0, ray: 0.0, ray_level: 0.0, test: 0.0 };
+const NOTHING: Coefficients = Coefficients {
+    fixed: 0.0,
+    prim: 0.0,
+    near_prim: 0.0,
+    fresh_prim: 0.0,
+    ray: 0.0,
+    ray_level: 0.0,
+    test: 0.0,
+};
 
 /// Nanoseconds of tracing a batch, `is_fresh` when it is the first after a commit.
 pub(super) fn trace_ns(kind: EngineKind, situation: &Situation, is_fresh: bool) -> f32 {
     let costs = coefficients(kind, situation.class);
     let (rays, prims) = (situation.ray_count as f32, situation.frame.prim_count as f32);
     let fresh = if is_fresh { situation.frame.changed_count as f32 } else { 0.0 };
+    let levels = log2(situation.frame.prim_count).saturating_sub(10) as f32;
     costs.fixed
         + costs.prim * prims
+        + costs.near_prim * prims.min(8.0 * rays)
         + costs.fresh_prim * fresh
-        + rays * (costs.ray + costs.ray_level * log2(situation.frame.prim_count) as f32)
+        + rays * (costs.ray + costs.ray_level * levels)
         + costs.test * rays * prims
 }
 
 /// Nanoseconds of a commit; all engines write the same table.
 pub(super) fn commit_ns(frame: &Frame) -> f32 {
-    20_000.0 + 2.0 * frame.changed_count as f32
+    10_000.0 + 4.0 * frame.changed_count as f32
 }
 
 fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
     use RayClass::{Ordered, SharedDirection, SharedOrigin, Unordered};
     match (kind, class) {
-        (EngineKind::Brute, _) => Coefficients { fixed: 5_000.0, test: 0.25, ..NOTHING },
-        (EngineKind::Bvh, _) => {
-            Coefficients { fixed: 30_000.0, fresh_prim: 8.0, ray: 20.0, ray_level: 6.0, ..NOTHING }
-        }
+        (EngineKind::Brute, _) => Coefficients { fixed: 5_000.0, test: 0.2, ..NOTHING },
+        (EngineKind::Bvh, _) => Coefficients {
+            fixed: 30_000.0,
+            fresh_prim: 22.0,
+            ray: 20.0,
+            ray_level: 25.0,
+            ..NOTHING
+        },
         (EngineKind::Hierarchy, SharedOrigin | SharedDirection) => {
-            Coefficients { fixed: 50_000.0, prim: 1.0, ray: 10.0, ray_level: 1.0, ..NOTHING }
+            Coefficients { fixed: 100_000.0, prim: 8.0, near_prim: 50.0, ray: 15.0, ..NOTHING }
         }
-        (EngineKind::Hierarchy, Ordered) => {
-            Coefficients { fixed: 50_000.0, prim: 2.0, ray: 50.0, test: 0.01, ..NOTHING }
-        }
-        (EngineKind::Hierarchy, Unordered) => {
-            Coefficients { fixed: 50_000.0, prim: 2.0, ray: 200.0, test: 0.03, ..NOTHING }
+        (EngineKind::Hierarchy, Ordered | Unordered) => {
+            Coefficients { fixed: 100_000.0, prim: 20.0, ray: 300.0, test: 0.15, ..NOTHING }
         }
         (EngineKind::Auto, _) => NOTHING,
     }

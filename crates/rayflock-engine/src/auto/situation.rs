@@ -102,6 +102,15 @@ impl Situation {
     }
 }
 
+impl SituationKey {
+    /// How far apart sizes are, in factors of two; `None` for rays of different classes.
+    pub(super) fn distance(&self, other: &Self) -> Option<u32> {
+        let apart = self.ray_log.abs_diff(other.ray_log) + self.prim_log.abs_diff(other.prim_log);
+        (self.class == other.class)
+            .then_some(apart + u32::from(self.is_occlusion != other.is_occlusion))
+    }
+}
+
 /// The logarithm, rounded down; 0 for nothing.
 pub(super) fn log2(count: usize) -> u32 {
     count.checked_ilog2().unwrap_or_default()
