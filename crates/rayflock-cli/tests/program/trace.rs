@@ -37,7 +37,8 @@ fn threads_by_stage(work: &Workplace, name: &str) -> BTreeMap<String, usize> {
 fn a_render_tells_its_stages_on_every_thread() {
     let work = Workplace::new();
     work.run_quietly(
-        "render builtin:cornell --size 256x192 --frames 0..3 --threads 2 --trace t.json -o out/",
+        "render builtin:cornell --engine hierarchy --size 256x192 --frames 0..3 --threads 2 \
+         --trace t.json -o out/",
     );
     let stages = threads_by_stage(&work, "t.json");
     for stage in [
@@ -47,6 +48,8 @@ fn a_render_tells_its_stages_on_every_thread() {
         "write_triangles",
         "camera_rays",
         "closest_hit",
+        "arrange_points",
+        "stream_triangles",
         "arrange",
         "build_tree",
         "refine",

@@ -108,9 +108,16 @@ fn row_axis(batch: &RayBatch<'_>, place: impl Fn(&Ray) -> DVec3) -> Option<DVec3
 
 /// Some active rays from all over the batch.
 fn sample<'a>(batch: &'a RayBatch<'_>) -> impl Iterator<Item = Ray> + 'a {
-    let step = batch.len().div_ceil(SAMPLE).max(1);
-    let rays = (0..batch.len()).step_by(step).map(|ray_idx| batch.ray(ray_idx));
+    let rays = spread_positions(batch.len(), SAMPLE).map(|ray_idx| batch.ray(ray_idx));
     rays.filter(|ray| ray.state() == RayState::Active)
+}
+
+/// Some positions from all over `len`, spread by the golden ratio: evenly, yet in step with no
+/// rows and tiles.
+fn spread_positions(len: usize, count: usize) -> impl Iterator<Item = usize> {
+    const GOLDEN: u64 = 0x9e37_79b9;
+    let count = count.min(len) as u64;
+    (0..count).map(move |idx| ((((idx * GOLDEN) & 0xffff_ffff) * len as u64) >> 32) as usize)
 }
 
 fn unit(direction: Vec3) -> DVec3 {
