@@ -30,6 +30,11 @@ impl Plan {
             std::mem::swap(&mut self.batches, &mut self.expected);
             self.batches.clear();
         }
+        if self.expected.is_empty() {
+            // Nothing tells engines apart: stay with the one that holds the frame before.
+            self.set = 1;
+            return;
+        }
         for batch in &mut self.expected {
             batch.frame = *frame;
         }
