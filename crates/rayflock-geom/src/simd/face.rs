@@ -13,7 +13,7 @@
 //!
 //! **Invariants.** Rejecting only, so everything carries a margin: an accepted ray's point lies
 //! within `margin` of the triangle of the projected corners, for each coordinate. `margin` covers
-//! what the accepting test moves a corner ([`PERTURBATION`](super::ray_triangle::PERTURBATION) of
+//! what the accepting test moves a corner ([`PERTURBATION`] of
 //! its distance from the ray's origin) and the rounding of both projections:
 //! - central: with `s = 1 + x^2 + y^2` the corner moves by at most
 //!   `sqrt 2 (PERTURBATION + 4 u) s`, the ray's point by `6 u s`; together below

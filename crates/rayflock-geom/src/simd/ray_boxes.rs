@@ -18,7 +18,7 @@
 //! [`triangle_boxes`](super::triangle_boxes). Then the ray's exact point at `t` lies within
 //! `PERTURBATION * farthest` of the box: 16 rounding units (2^-24) of `farthest`. Rounding adds at
 //! most 4 units for the box's centre and half size, 6 for the two planes, one each for the
-//! direction and `t`; a direction's coordinate below [`THINNEST`] is replaced by that, which moves
+//! direction and `t`; a direction's coordinate below `THINNEST` is replaced by that, which moves
 //! a point by a fraction of a unit. The margin is [`SLACK`](super::cone_sphere::SLACK): 64 units.
 //! A ray for which all this could overflow gets an infinite margin and crosses everything, NaN
 //! included.
