@@ -15,14 +15,16 @@
 //! Construction on GPUs", Eurographics 2009 (a tree by sorting).
 //!
 //! **Departures.** The tree is filled from the bottom, so all nodes are full and none needs a
-//! pointer; the curve is Hilbert's. Lists hold rays of all directions.
+//! pointer; the curve is Hilbert's. Lists hold the rays that leave through one face of a cube, so
+//! that they share the order of axes.
 //!
 //! **Invariants.** Boxes are conservative (`simd::ray_boxes`, `simd::triangle_boxes`): a primitive
 //! that the accepting test would hit is in a leaf that the ray gets to, unless a nearer hit was
 //! found before. Which tree an object is in changes speed, never an answer.
 //!
 //! **Cost.** Per frame, the table's pass over what changed and a sort of it; 69 bytes a triangle
-//! above the table. Per ray, 128 bytes in a block.
+//! above the table; the fresh tree is built when the first batch of a frame comes. Per ray, 64 bytes
+//! in a block.
 
 mod build_tree;
 mod config;

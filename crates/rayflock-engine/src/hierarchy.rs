@@ -1,4 +1,7 @@
-//! The hierarchical ray engine: a tree over the rays, nothing over the geometry.
+//! The hierarchical ray engine: a structure over the rays, nothing over the geometry.
+//!
+//! Rays that share an origin or a direction, and look forward, are points of a face: see
+//! `points`. All others go through a tree of cones:
 //!
 //! ```text
 //!   arrange      rays into tiles of 16 that are close in space

@@ -4,7 +4,7 @@
 //! | Engine | What it is | Use it when |
 //! |---|---|---|
 //! | [`brute`] | all rays against all primitives | you want the definition of the answer, or have a few hundred primitives |
-//! | [`hierarchy`] | a tree over the rays, nothing over the geometry | everything moves and neighbouring rays go similar ways |
+//! | [`hierarchy`] | a structure over the rays, nothing over the geometry | everything moves, and rays share an origin or a direction or neighbours go similar ways |
 //! | [`bvh`] | a tree over the geometry, built anew each frame, and streams of rays | rays share nothing: diffuse light, mirrors that are curved |
 //! | [`auto`] | asks whichever of the others is expected to answer soonest | you have no reason to choose |
 //!

@@ -6,8 +6,9 @@
 //!   visit(leaf, list)   each ray of the list against the sixteen primitives of the leaf
 //! ```
 //!
-//! Lists lie in one stack: a node's below those of its children. Children are visited from near
-//! to far along the first ray of the list, so that hits shorten rays early.
+//! Lists lie in one stack: a node's below those of its children. The rays of a
+//! list leave through one face of a cube; children are visited from near to far along its axis, so
+//! that hits shorten rays early.
 
 use rayflock_geom::simd::aligned_rays::{FACES, face_axes, goes_along};
 use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxBounds, BoxLanes, crosses};
