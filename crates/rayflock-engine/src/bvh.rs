@@ -30,16 +30,20 @@ mod build_tree;
 mod config;
 mod parts;
 mod ray_block;
+mod ray_group;
 mod sort_slots;
 mod stage_triangles;
 mod trace_block;
+mod trace_groups;
+mod trace_rays;
 mod tree;
+mod walk_tree;
 
 use std::sync::Mutex;
 
 use rayflock_geom::simd::ray_boxes::BoxBounds;
 use rayflock_geom::simd::{LANES, dispatch};
-use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch};
+use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch, RayOrder};
 use rayon::prelude::*;
 
 pub use config::Config;
@@ -53,6 +57,9 @@ use crate::answer::{offer_hits, tell_occluded};
 use crate::packet::{Nearest, Question};
 use crate::primitives::PrimitiveTable;
 use crate::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
+
+/// Triangles along the side of a group of rays.
+const GROUP_TRIANGLES: f32 = 8.0;
 
 /// Traces streams of rays through a tree that is built anew each frame.
 #[derive(Debug, Default)]
@@ -104,6 +111,16 @@ impl BvhEngine {
         }
     }
 
+    /// How wide groups of rays may be: as some triangles, were these spread evenly over a square.
+    fn group_width(&self, order: RayOrder) -> f32 {
+        if matches!(order, RayOrder::Unordered) {
+            return 0.0;
+        }
+        let leaf_count = self.fresh.triangle_leaves.len() + self.kept.triangle_leaves.len();
+        let side = 2.0 * self.bounds().half_size.max_element();
+        GROUP_TRIANGLES * side / ((leaf_count * LANES) as f32).sqrt()
+    }
+
     /// Fills `nearest` for the whole batch; `t_bound` tells beyond which hits are of no interest.
     fn trace(
         &mut self,
@@ -122,10 +139,11 @@ impl BvhEngine {
             batch: rays,
             trees: [&self.fresh, &self.kept],
             bounds: self.bounds(),
+            group_width: self.group_width(rays.order()),
             question,
         };
         let prim_count = self.fresh.triangle_leaves.len() * LANES;
-        let block_len = block_len(rays.len(), prim_count);
+        let block_len = block_len(rays.len(), prim_count, asked.group_width > 0.0);
         let (level, scratch) = (self.config.simd.level(), &self.scratch);
         let blocks = self.nearest.par_chunks_mut(block_len).enumerate();
         let counted = blocks.map(|(block_idx, nearest)| {
@@ -144,16 +162,18 @@ impl BvhEngine {
     }
 }
 
-/// Rays that go through the tree together.
-fn block_len(ray_count: usize, prim_count: usize) -> usize {
+/// Rays that go through the tree together: as many as a cache holds, where groups leave few in a
+/// leaf anyway; else enough for long lists there.
+fn block_len(ray_count: usize, prim_count: usize, has_groups: bool) -> usize {
     let longest = match prim_count {
+        _ if has_groups => 16 << 10,
         0..8192 => 16 << 10,
         8192..131_072 => 64 << 10,
         131_072..524_288 => 128 << 10,
         _ => 256 << 10,
     };
     let tasks = ray_count.div_ceil(longest).max(2 * rayon::current_num_threads());
-    ray_count.div_ceil(tasks).clamp(1024.min(ray_count.max(1)), longest)
+    ray_count.div_ceil(tasks).next_multiple_of(LANES).clamp(1024.min(ray_count.max(1)), longest)
 }
 
 fn take(scratch: &Mutex<Vec<BlockTracer>>) -> BlockTracer {

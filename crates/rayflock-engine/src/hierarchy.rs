@@ -95,9 +95,10 @@ impl HierarchyEngine {
         question: Question,
         t_bound: &(impl Fn(usize) -> f32 + Sync),
     ) -> TraceStats {
+        let _span = tracing::debug_span!("trace_points").entered();
         let work =
             PointWork { simd: self.config.simd, table: &self.table, rays, question, t_bound };
-        let traced = self.points.trace(&work, &mut self.arrangement, &mut self.nearest);
+        let traced = self.points.trace(&work, &mut self.arrangement);
         self.on_faces = traced.is_some();
         if let Some(stats) = traced {
             return stats;
@@ -121,14 +122,10 @@ impl HierarchyEngine {
         stats
     }
 
-    /// The nearest hit of a ray, by its position in the batch.
+    /// The nearest hit of a ray in the tree of cones, by its position in the batch.
     #[inline(always)]
-    fn found(&self, ray_idx: usize) -> &Nearest {
-        if !self.on_faces {
-            return &self.nearest[self.arrangement.place(ray_idx)];
-        }
-        let place = self.points.place(&self.arrangement, ray_idx);
-        self.nearest.get(place).unwrap_or(&Nearest::NONE)
+    fn found(&self, ray_idx: usize) -> Nearest {
+        self.nearest[self.arrangement.place(ray_idx)]
     }
 }
 
@@ -149,14 +146,22 @@ impl RayEngine for HierarchyEngine {
         assert!(hits.has_len(rays.len()), "every column must have one entry for each ray");
         let bounds: &[f32] = hits.t;
         let stats = self.trace(rays, Question::Closest, &|ray_idx| bounds[ray_idx]);
-        offer_hits(&self.table, |ray_idx| *self.found(ray_idx), hits);
+        if self.on_faces {
+            offer_hits(&self.table, |ray_idx| self.points.nearest(ray_idx), hits);
+        } else {
+            offer_hits(&self.table, |ray_idx| self.found(ray_idx), hits);
+        }
         stats
     }
 
     fn occluded(&mut self, rays: &RayBatch<'_>, occluded: &mut [bool]) -> TraceStats {
         assert_eq!(occluded.len(), rays.len(), "there must be one answer for each ray");
         let stats = self.trace(rays, Question::Occluded, &|_| f32::INFINITY);
-        tell_occluded(|ray_idx| !self.found(ray_idx).is_none(), occluded);
+        if self.on_faces {
+            tell_occluded(|ray_idx| self.points.is_occluded(ray_idx), occluded);
+        } else {
+            tell_occluded(|ray_idx| !self.found(ray_idx).is_none(), occluded);
+        }
         stats
     }
 

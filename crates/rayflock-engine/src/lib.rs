@@ -41,6 +41,7 @@ mod engine;
 pub mod hierarchy;
 mod packet;
 mod primitives;
+mod sort_keyed;
 
 pub use engine::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
 

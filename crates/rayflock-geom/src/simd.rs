@@ -19,6 +19,7 @@ mod face_rare;
 mod face_tests;
 pub mod face_triangle;
 pub mod point_boxes;
+pub mod ray_beams;
 pub mod ray_boxes;
 pub mod ray_sphere;
 pub mod ray_triangle;

@@ -59,7 +59,10 @@ fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
     use RayClass::{Ordered, SharedDirection, SharedOrigin, Unordered};
     match (kind, class) {
         (EngineKind::Brute, _) => Coefficients { fixed: 5_000.0, test: 0.2, ..NOTHING },
-        (EngineKind::Bvh, _) => Coefficients {
+        (EngineKind::Bvh, SharedOrigin | SharedDirection | Ordered) => {
+            Coefficients { fixed: 30_000.0, fresh_prim: 22.0, ray: 4.0, ray_level: 10.0, ..NOTHING }
+        }
+        (EngineKind::Bvh, Unordered) => Coefficients {
             fixed: 30_000.0,
             fresh_prim: 22.0,
             ray: 20.0,

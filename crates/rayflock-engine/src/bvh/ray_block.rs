@@ -4,12 +4,13 @@ use std::ops::Range;
 
 use glam::Vec3;
 use rayflock_geom::simd::aligned_rays::{AlignedRays, FACES, RayLanes};
+use rayflock_geom::simd::ray_beams::{RayBeam, alike};
 use rayflock_geom::simd::ray_boxes::BoxRay;
 use rayflock_geom::simd::{LANES, Simd};
 
+use super::ray_group::RayGroup;
 use super::trace_block::BlockQuestion;
 use crate::TraceStats;
-use crate::packet::{Nearest, Question};
 
 /// All that boxes and triangles need to know about a ray: one line of the cache, for rays are read
 /// far more often than anything else here.
@@ -42,7 +43,7 @@ impl StreamRay {
 
     /// Makes the ray look no farther than `t`.
     #[inline(always)]
-    fn set_t_max(&mut self, t: f32) {
+    pub(super) fn set_t_max(&mut self, t: f32) {
         self.t_max = t;
         // The largest coordinate of the direction is that along kz.
         self.box_ray.set_t_max(t, self.shear[2].abs());
@@ -55,14 +56,21 @@ impl StreamRay {
     }
 }
 
+/// Rays in the smallest group.
+const FEWEST: u32 = 4;
+
 /// Rays in the order of their batch.
 #[derive(Debug, Default)]
 pub(super) struct RayBlock {
     /// Position in the batch of the first ray.
     pub(super) first_ray: usize,
     pub(super) rays: Vec<StreamRay>,
-    /// The active rays by the face of their direction, as positions in the block.
+    /// The active single rays by the face of their direction, as positions in the block.
     pub(super) faces: [Vec<u32>; FACES],
+    /// Rays that travel together; `rays` has nothing of them.
+    pub(super) groups: Vec<RayGroup>,
+    /// The groups by the face of their directions.
+    pub(super) group_faces: [Vec<u32>; FACES],
 }
 
 impl RayBlock {
@@ -77,7 +85,8 @@ impl RayBlock {
     ) -> TraceStats {
         let mut stats = TraceStats { rays: rays.len() as u64, ..TraceStats::default() };
         self.first_ray = rays.start;
-        self.faces.iter_mut().for_each(Vec::clear);
+        self.groups.clear();
+        self.faces.iter_mut().chain(&mut self.group_faces).for_each(Vec::clear);
         self.rays.resize(rays.len(), StreamRay::EMPTY);
         for first_ray in rays.clone().step_by(LANES) {
             let count = (rays.end - first_ray).min(LANES);
@@ -111,8 +120,13 @@ impl RayBlock {
         let prepared = AlignedRays::prepare(simd, &lanes, &asked.bounds, asked.table.slack());
         let first = first_ray - self.first_ray;
         let there = (1 << count) - 1;
+        let invalid_count = u64::from((invalid & there).count_ones());
+        let mut single = active & there;
+        if asked.group_width > 0.0 {
+            single = self.push_groups(simd, asked, first, single, (&lanes, &prepared, masks));
+        }
         for (lane, place) in self.rays[first..first + count].iter_mut().enumerate() {
-            if active & (1 << lane) == 0 {
+            if single & (1 << lane) == 0 {
                 continue;
             }
             *place = StreamRay {
@@ -125,21 +139,49 @@ impl RayBlock {
             };
             self.faces[prepared.face(lane)].push((first + lane) as u32);
         }
-        u64::from((invalid & there).count_ones())
+        invalid_count
     }
 
-    /// Makes a ray look no farther than its nearest hit, or, when any hit will do, nowhere.
+    /// Makes groups of the `active` rays that go similar ways. Returns those that go alone.
     #[inline(always)]
-    pub(super) fn shorten(&mut self, idx: usize, nearest: &Nearest, question: Question) {
-        self.rays[idx].set_t_max(match question {
-            Question::Closest => nearest.t,
-            Question::Occluded => f32::NEG_INFINITY,
-        });
+    fn push_groups<S: Simd>(
+        &mut self,
+        simd: S,
+        asked: &BlockQuestion<'_>,
+        first: usize,
+        active: u64,
+        (lanes, prepared, masks): (&RayLanes, &AlignedRays, [u32; LANES]),
+    ) -> u64 {
+        let distance = asked.bounds.half_size.max_element();
+        let (mut left, mut single) = (active, 0);
+        while left != 0 {
+            let alike = alike(simd, prepared, left, asked.group_width, distance);
+            let one = left & left.wrapping_neg();
+            left &= !(alike | one);
+            let beam = if alike.count_ones() < FEWEST {
+                None
+            } else {
+                RayBeam::around(simd, prepared, alike)
+            };
+            let Some(beam) = beam else {
+                single |= alike | one;
+                continue;
+            };
+            let face = prepared.face(alike.trailing_zeros() as usize);
+            self.group_faces[face].push(self.groups.len() as u32);
+            self.groups.push(RayGroup::EMPTY);
+            if let Some(group) = self.groups.last_mut() {
+                group.fill(simd, beam, first as u32, alike, lanes, masks);
+            }
+        }
+        single
     }
 
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
+        let lists = self.faces.iter().chain(&self.group_faces);
         self.rays.capacity() * size_of::<StreamRay>()
-            + self.faces.iter().map(Vec::capacity).sum::<usize>() * size_of::<u32>()
+            + self.groups.capacity() * size_of::<RayGroup>()
+            + lists.map(Vec::capacity).sum::<usize>() * size_of::<u32>()
     }
 }

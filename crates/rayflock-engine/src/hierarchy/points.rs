@@ -31,10 +31,10 @@
 //! reach 128 bytes, and a box test for each level of the pyramid. 16 bytes a ray, 16 more where
 //! they are sorted; one kilobyte for sixteen rays of a tile at work.
 
+mod answers;
 mod faces;
 mod occupancy;
 mod point_tiles;
-mod radix_sort;
 mod ray_columns;
 mod sort_points;
 mod stream_triangles;
@@ -49,6 +49,7 @@ use rayflock_geom::{RayBatch, RayOrder};
 use rayon::prelude::*;
 use tracing::debug_span;
 
+use self::answers::Answers;
 use self::faces::Faces;
 use self::point_tiles::FaceTiles;
 use self::ray_columns::RayColumns;
@@ -70,6 +71,9 @@ const SHARES_PER_THREAD: usize = 4;
 /// hint says little about places on the face.
 const LOOSEST: f32 = 2.0;
 
+/// Groups of sixteen rays that are asked for that.
+const GROUP_SAMPLE: usize = 256;
+
 /// Triangles a ray from which on it pays to ask whether any ray is near.
 const TRIANGLES_PER_RAY: usize = 3;
 
@@ -86,6 +90,7 @@ pub(super) struct PointTracer {
     /// One for each tile of all faces.
     boxes: Vec<PointBox>,
     chunks: Vec<Chunk>,
+    answers: Answers,
     /// Tracers of tasks that are not running.
     tracers: Mutex<Vec<TileTracer>>,
 }
@@ -118,12 +123,12 @@ impl PointTracer {
         &mut self,
         work: &PointWork<'_, F>,
         arrangement: &mut Arrangement,
-        nearest: &mut Vec<Nearest>,
     ) -> Option<TraceStats> {
         let rays = work.rays;
         if rays.t_min().uniform().is_some_and(|t_min| t_min < 0.0) || !self.faces.choose(rays) {
             return None;
         }
+        self.answers.begin(rays.len(), work.question);
         if rays.is_empty() {
             return Some(TraceStats::default());
         }
@@ -133,19 +138,22 @@ impl PointTracer {
         self.note_rays(work, arrangement, tile_len);
         let streamed = self.stream(work);
         let ray_idx = if self.is_sorted { &self.sorter.ray_idx } else { &arrangement.ray_idx };
-        // Tiles write what they begin with.
-        nearest.resize(ray_idx.len(), Nearest::NONE);
-        Some(stats + streamed + self.trace_tiles(work, tile_len, ray_idx, nearest))
+        if self.is_sorted {
+            self.sorter.left_out().for_each(|ray_idx| self.answers.set_none(ray_idx as usize));
+        }
+        Some(stats + streamed + self.trace_tiles(work, tile_len, ray_idx))
     }
 
-    /// Where a ray of the last batch lies, if it was traced at all.
+    /// The nearest hit of a ray of the last batch, after the question for it.
     #[inline(always)]
-    pub(super) fn place(&self, arrangement: &Arrangement, ray_idx: usize) -> usize {
-        if self.is_sorted {
-            self.sorter.place(ray_idx) as usize
-        } else {
-            arrangement.place(ray_idx)
-        }
+    pub(super) fn nearest(&self, ray_idx: usize) -> Nearest {
+        self.answers.nearest(ray_idx)
+    }
+
+    /// Whether a ray of the last batch is occluded, after the question for that.
+    #[inline(always)]
+    pub(super) fn is_occluded(&self, ray_idx: usize) -> bool {
+        self.answers.is_occluded(ray_idx)
     }
 
     /// Brings rays into tiles and bounds these. Returns the number of rays that are not valid.
@@ -160,10 +168,11 @@ impl PointTracer {
         if is_hinted && self.faces.faces.len() == 1 {
             arrangement.assign(work.rays);
             self.is_sorted = false;
-            let one = self.bound_tiles(work, tile_len, &arrangement.ray_idx, &[]);
-            let extent = self.tiles[0].bound.area();
-            if !one.is_lost && one.group_area <= LOOSEST * extent {
-                return Some(one.invalid_count);
+            if self.is_tight(work, &arrangement.ray_idx) {
+                let one = self.bound_tiles(work, tile_len, &arrangement.ray_idx, &[]);
+                if !one.is_lost {
+                    return Some(one.invalid_count);
+                }
             }
         }
         self.is_sorted = true;
@@ -182,6 +191,23 @@ impl PointTracer {
         (!all.is_lost).then_some(invalid_count)
     }
 
+    /// Whether, going by a sample, sixteen neighbours of the order are close on the only face.
+    fn is_tight<F: Fn(usize) -> f32 + Sync>(
+        &self,
+        work: &PointWork<'_, F>,
+        ray_idx: &[u32],
+    ) -> bool {
+        let face = &self.faces.faces[0];
+        let step = ray_idx.len().div_ceil(LANES * GROUP_SAMPLE).max(1);
+        let mut all = TileBound::NONE;
+        for group in ray_idx.chunks(LANES).step_by(step) {
+            all = all.join(dispatch!(work.simd.level(), simd => {
+                bound_tile(simd, work, face, group)
+            }));
+        }
+        !all.is_lost && all.group_area * step as f32 <= LOOSEST * all.bound.area()
+    }
+
     /// Bounds tiles and groups of tiles; without `tile_faces` all tiles are on the only face.
     fn bound_tiles<F: Fn(usize) -> f32 + Sync>(
         &mut self,
@@ -190,6 +216,7 @@ impl PointTracer {
         ray_idx: &[u32],
         tile_faces: &[u32],
     ) -> TileBound {
+        let _span = debug_span!("bound_tiles").entered();
         self.boxes.clear();
         self.boxes.resize(ray_idx.len().div_ceil(tile_len), PointBox::EMPTY);
         let faces = &self.faces.faces;
@@ -279,19 +306,18 @@ impl PointTracer {
         work: &PointWork<'_, F>,
         tile_len: usize,
         ray_idx: &[u32],
-        nearest: &mut [Nearest],
     ) -> TraceStats {
         let _span = debug_span!("trace_tiles").entered();
         let PointWork { table, rays, question, t_bound, .. } = *work;
         let tile_work = TileWork { table, rays, chunks: &self.chunks, question, t_bound };
         let tile_faces = if self.is_sorted { &self.sorter.tile_faces[..] } else { &[] };
-        let tiles = nearest.par_chunks_mut(tile_len).zip(ray_idx.par_chunks(tile_len));
-        let counted = tiles.enumerate().map(|(tile_idx, (nearest, ray_idx))| {
+        let tiles = ray_idx.par_chunks(tile_len).enumerate();
+        let counted = tiles.map(|(tile_idx, ray_idx)| {
             let face_idx = tile_faces.get(tile_idx).copied().unwrap_or(0);
             let face = &self.tiles[face_idx as usize].face;
             let mut tracer = self.take_tracer();
             let stats = dispatch!(work.simd.level(), simd => {
-                tracer.trace(simd, &tile_work, face, tile_idx, ray_idx, nearest)
+                tracer.trace(simd, &tile_work, face, tile_idx, ray_idx, &self.answers)
             });
             if let Ok(mut pool) = self.tracers.lock() {
                 pool.push(tracer);
@@ -314,6 +340,7 @@ impl PointTracer {
             + self.tiles.iter().map(FaceTiles::memory_usage).sum::<usize>()
             + self.boxes.capacity() * size_of::<PointBox>()
             + self.chunks.iter().map(Chunk::memory_usage).sum::<usize>()
+            + self.answers.memory_usage()
             + tracers.map_or(0, |pool| pool.iter().map(TileTracer::memory_usage).sum())
     }
 }

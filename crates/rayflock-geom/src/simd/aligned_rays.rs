@@ -75,14 +75,14 @@ fn are_finite<S: Simd>([x, y, z]: Axes<S>, infinity: f32x16<S>) -> mask32x16<S> 
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct AlignedRays {
-    origin: [Lanes; 3],
-    shear: [Lanes; 3],
-    inverse: [Lanes; 3],
-    margin: Lanes,
+    pub(super) origin: [Lanes; 3],
+    pub(super) shear: [Lanes; 3],
+    pub(super) inverse: [Lanes; 3],
+    pub(super) margin: Lanes,
     /// Ends of the interval in multiples of the scaled direction.
-    t_min: Lanes,
-    t_max: Lanes,
-    faces: [u32; LANES],
+    pub(super) t_min: Lanes,
+    pub(super) t_max: Lanes,
+    pub(super) faces: [u32; LANES],
 }
 
 impl AlignedRays {
@@ -168,17 +168,18 @@ impl AlignedRays {
 
 /// Which axis is kz, the first of those with the largest coordinate.
 #[derive(Clone, Copy)]
-struct Order<S: Simd> {
+pub(super) struct Order<S: Simd> {
     is_z: mask32x16<S>,
     /// Where it is not z.
     is_y: mask32x16<S>,
     /// The largest coordinate, without its sign.
-    size: f32x16<S>,
+    pub(super) size: f32x16<S>,
 }
 
 impl<S: Simd> Order<S> {
+    /// The order for these directions.
     #[inline(always)]
-    fn of(direction: Axes<S>) -> Self {
+    pub(super) fn of(direction: Axes<S>) -> Self {
         let [x, y, z] = absolute(direction);
         let is_y = y.simd_gt(x);
         let of_two = is_y.select(y, x);
@@ -188,7 +189,7 @@ impl<S: Simd> Order<S> {
 
     /// Brings coordinates into the order kx, ky, kz.
     #[inline(always)]
-    fn apply(self, [x, y, z]: Axes<S>) -> Axes<S> {
+    pub(super) fn apply(self, [x, y, z]: Axes<S>) -> Axes<S> {
         let Self { is_z, is_y, .. } = self;
         [
             is_z.select(x, is_y.select(z, y)),
@@ -199,7 +200,7 @@ impl<S: Simd> Order<S> {
 
     /// The faces of directions with these coordinates along kz.
     #[inline(always)]
-    fn faces(self, simd: S, along: f32x16<S>) -> u32x16<S> {
+    pub(super) fn faces(self, simd: S, along: f32x16<S>) -> u32x16<S> {
         let splat = |face: u32| u32x16::splat(simd, face);
         let axis = self.is_z.select(splat(4), self.is_y.select(splat(2), splat(0)));
         let against = along.simd_lt(f32x16::splat(simd, 0.0));

@@ -29,9 +29,10 @@
 
 use glam::Vec3;
 
+use super::aligned_rays::Order;
 use super::axes::{Axes, dot, splat_axes, subtract};
 use super::ray_triangle::{DEPTH_ERROR, PERTURBATION};
-use super::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
+use super::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
 
 /// Points of central rays lie within this square: 63 degrees to each side.
 pub const WIDEST_POINT: f32 = 2.0;
@@ -203,6 +204,17 @@ impl Face {
         let [a, b, c] = self.rows;
         [splat_axes(simd, a), splat_axes(simd, b), splat_axes(simd, c)]
     }
+}
+
+/// The sides of a cube around their shared origin that rays pierce, and where: rays of side `2 a`
+/// go along axis a, those of side `2 a + 1` against it; x and y are along the two axes that follow
+/// it, from -1 to 1.
+#[inline(always)]
+pub fn pierce_cube<S: Simd>(simd: S, direction: Axes<S>) -> (u32x16<S>, [f32x16<S>; 2]) {
+    let order = Order::of(direction);
+    let ordered = order.apply(direction);
+    let inverse = f32x16::splat(simd, 1.0) / order.size;
+    (order.faces(simd, ordered[2]), [ordered[0] * inverse, ordered[1] * inverse])
 }
 
 /// A radius around each triangle: the longer of two edges, as the sum of its coordinates.

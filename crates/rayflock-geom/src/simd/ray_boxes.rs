@@ -47,7 +47,7 @@ pub(super) const UNDERFLOW: f32 = 1e-36;
 pub(super) const COARSEST_T: f32 = 1e-44;
 
 /// More than the rounding of a sum, relative to it.
-const CORNER_ERROR: f32 = 2.0 * f32::EPSILON;
+pub(super) const CORNER_ERROR: f32 = 2.0 * f32::EPSILON;
 
 /// Sixteen boxes as columns, in world space; all coordinates finite.
 #[derive(Clone, Copy, Debug)]
@@ -108,8 +108,8 @@ impl BoxBlock {
 /// Sixteen boxes in registers.
 #[derive(Clone, Copy, Debug)]
 pub struct BoxLanes<S: Simd> {
-    center: [f32x16<S>; 3],
-    half_size: [f32x16<S>; 3],
+    pub(super) center: [f32x16<S>; 3],
+    pub(super) half_size: [f32x16<S>; 3],
 }
 
 /// A box. Its half size may be too small by a few rounding units of itself, which the margin of

@@ -2,9 +2,10 @@ use proptest::prelude::*;
 
 use super::super::aligned_rays::{AlignedRays, RayLanes, face_axes};
 use super::super::cone_sphere::{SLACK, SphereBlock};
+use super::super::ray_beams::{BoxCorners, RayBeam, alike, beam_crosses};
 use super::super::ray_sphere::{SphereRays, intersect_sphere};
 use super::super::ray_triangle::{ShearedRay, TriangleBlock, intersect_block};
-use super::super::triangle_boxes::{around_spheres, around_triangles};
+use super::super::triangle_boxes::{around_spheres, around_triangles, triangle_corners};
 use super::super::{SimdLevel, SimdMask, dispatch};
 use super::*;
 use crate::{Ray, Sphere};
@@ -84,6 +85,51 @@ fn prepare<S: Simd>(simd: S, ray: &Ray, bounds: &BoxBounds) -> (Vec3, BoxRay, [u
     (prepared.origin(LANE), prepared.box_ray(LANE), face_axes(prepared.face(LANE)))
 }
 
+/// Whether the beam around the ray and fifteen others, of which each lies a little farther off by
+/// `apart`, crosses the box around a triangle and the triangle's own, at every level. True where
+/// they make no beam.
+fn beam_crosses_triangle(
+    ray: &Ray,
+    apart: [Vec3; 2],
+    corners: [Vec3; 3],
+    room: &BoxBounds,
+) -> bool {
+    let mut rays = RayLanes {
+        origin: [[0.0; 16]; 3],
+        direction: [[0.0; 16]; 3],
+        t_min: [ray.t_min; 16],
+        t_max: [ray.t_max; 16],
+    };
+    for lane in 0..16 {
+        let steps = (lane as f32 - LANE as f32) * 0.01;
+        let (origin, direction) = (ray.origin + steps * apart[0], ray.direction + steps * apart[1]);
+        for axis in 0..3 {
+            rays.origin[axis][lane] = origin[axis];
+            rays.direction[axis][lane] = direction[axis];
+        }
+    }
+    let mut triangles = TriangleBlock::EMPTY;
+    (0..16).for_each(|lane| triangles.set(lane, corners));
+    SimdLevel::available().into_iter().all(|level| {
+        dispatch!(level.level(), simd => {
+            let bounds = around_triangles(simd, &triangles);
+            let prepared = AlignedRays::prepare(simd, &rays, &bounds.union(room), SLACK);
+            let axes = face_axes(prepared.face(LANE));
+            let mut block = BoxBlock::ZERO;
+            block.set(LANE, &bounds);
+            // The ray itself is the first of its kind.
+            let lanes = rays.states(simd).0 & (u64::MAX << LANE);
+            let lanes = alike(simd, &prepared, lanes, f32::INFINITY, 0.0);
+            RayBeam::around(simd, &prepared, lanes | 1 << LANE).is_none_or(|beam| {
+                let boxes = BoxCorners::of(&block.load(simd, axes));
+                let own = triangle_corners(simd, &triangles, axes);
+                beam_crosses(simd, &beam, &boxes).test(LANE)
+                    && beam_crosses(simd, &beam, &own).test(LANE)
+            })
+        })
+    })
+}
+
 /// Bounds of something else, as they might lie around a box.
 fn room(a: Vec3, b: Vec3) -> BoxBounds {
     BoxBounds::between(a.min(b), a.max(b))
@@ -145,6 +191,8 @@ proptest! {
             for ray in [ray, reaching(&ray, t), Ray { t_max: t, ..ray }, Ray { t_min: t, ..ray }] {
                 let crossed = crossed(&ray, content, &room);
                 prop_assert!(crossed.iter().all(|&crossed| crossed), "{ray:?} {corners:?}");
+                let apart = [scale * others[0], length * others[1]];
+                prop_assert!(beam_crosses_triangle(&ray, apart, corners, &room), "{ray:?}");
             }
         }
     }
@@ -166,8 +214,11 @@ proptest! {
         let corners = corners.map(place);
         if let Some(t) = hit_triangle(&ray, corners) {
             let room = room(place(others[0]), place(others[1]));
-            let crossed = crossed(&reaching(&ray, t), Content::Triangle(corners), &room);
-            prop_assert!(crossed.iter().all(|&crossed| crossed), "{ray:?} {corners:?} at {t}");
+            let ray = reaching(&ray, t);
+            let crossed = crossed(&ray, Content::Triangle(corners), &room);
+            prop_assert!(crossed.iter().all(|&crossed| crossed), "{ray:?} {corners:?}");
+            let apart = [scale * others[0], length * others[1]];
+            prop_assert!(beam_crosses_triangle(&ray, apart, corners, &room), "{ray:?}");
         }
     }
 
@@ -248,4 +299,35 @@ fn a_ray_cut_short_crosses_what_lies_nearer() {
     prepared.set_t_max(7.9, size);
     assert_eq!(count(&prepared), 0);
     assert_eq!(count(&BoxRay::EMPTY), 0);
+}
+
+#[test]
+fn a_beam_crosses_what_one_of_its_rays_does_and_nothing_beside() {
+    let mut rays = RayLanes {
+        origin: [[0.0; 16]; 3],
+        direction: [[0.0; 16], [0.0; 16], [1.0; 16]],
+        t_min: [0.0; 16],
+        t_max: [10.0; 16],
+    };
+    (0..16).for_each(|lane| rays.origin[0][lane] = lane as f32 * 0.1);
+    let mut block = BoxBlock::ZERO;
+    for (lane, x) in [0.75, 1.7, -0.5].into_iter().enumerate() {
+        let middle = Vec3::new(x, 0.0, 5.0);
+        block.set(lane, &BoxBounds::between(middle - 0.1, middle + 0.1));
+    }
+    for level in SimdLevel::available() {
+        let crossed = |t_max| {
+            dispatch!(level.level(), simd => {
+                let bounds = BoxBounds::between(Vec3::splat(-9.0), Vec3::splat(9.0));
+                let prepared = AlignedRays::prepare(simd, &rays, &bounds, SLACK);
+                let near = alike(simd, &prepared, 0xffff, 0.85, 1.0);
+                assert_eq!(near, 0x1ff, "rays up to 0.8 from the first");
+                let mut beam = RayBeam::around(simd, &prepared, 0xffff).unwrap();
+                beam.set_t_max(t_max);
+                let boxes = BoxCorners::of(&block.load(simd, face_axes(prepared.face(0))));
+                beam_crosses(simd, &beam, &boxes).to_bitmask() & 7
+            })
+        };
+        assert_eq!((crossed(10.0), crossed(4.8)), (1, 0), "{level}");
+    }
 }

@@ -34,6 +34,7 @@
 
 use glam::Vec3;
 
+use super::aligned_rays::RayLanes;
 use super::axes::{Axes, load_axes, load_ordered_axes, splat_axes, store_axes, subtract};
 use super::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use crate::Ray;
@@ -192,6 +193,25 @@ impl RayPacket {
         store_axes(&origin, &mut self.origin);
         t_min.store_slice(&mut self.t_min);
         t_max.store_slice(&mut self.t_max);
+    }
+
+    /// Writes all rays, given as they were asked.
+    #[inline(always)]
+    pub fn fill_lanes<S: Simd>(&mut self, simd: S, rays: &RayLanes) {
+        let interval =
+            [f32x16::from_slice(simd, &rays.t_min), f32x16::from_slice(simd, &rays.t_max)];
+        let (origin, direction) = (load_axes(simd, &rays.origin), load_axes(simd, &rays.direction));
+        self.fill(simd, origin, direction, interval);
+    }
+
+    /// Gives lanes that are not `active`, which then hold anything, the axis kz of one that is.
+    #[inline(always)]
+    pub fn share_axis(&mut self, active: u64) {
+        let first = active.trailing_zeros();
+        for bits in &mut self.major {
+            let fill = if *bits >> (first % 16) & 1 == 1 { u16::MAX } else { 0 };
+            *bits = (*bits & active as u16) | (fill & !(active as u16));
+        }
     }
 
     /// The axis kz that all rays share, if they do.

@@ -6,9 +6,10 @@
 //! [`PERTURBATION`](super::ray_triangle::PERTURBATION) and rounding, is relative to the distance
 //! from the ray and added there ([`ray_boxes`](super::ray_boxes)).
 
-use super::axes::{load_axes, subtract};
+use super::axes::{Axes, load_axes, load_ordered_axes, subtract};
 use super::cone_sphere::SphereBlock;
-use super::ray_boxes::BoxBounds;
+use super::ray_beams::BoxCorners;
+use super::ray_boxes::{BoxBounds, CORNER_ERROR};
 use super::ray_triangle::{DEPTH_ERROR, TriangleBlock};
 use super::{Simd, SimdBase, f32x16};
 
@@ -17,12 +18,45 @@ use super::{Simd, SimdBase, f32x16};
 pub fn around_triangles<S: Simd>(simd: S, triangles: &TriangleBlock) -> BoxBounds {
     let [a, b, c] = &triangles.corners;
     let (a, b, c) = (load_axes(simd, a), load_axes(simd, b), load_axes(simd, c));
+    let (min, max) = around_each(simd, [a, b, c]);
+    BoxBounds::around_lanes(min, max)
+}
+
+/// The boxes around each of sixteen triangles, enlarged, with their coordinates in the order of
+/// `axes`.
+#[inline(always)]
+pub fn triangle_corners<S: Simd>(
+    simd: S,
+    triangles: &TriangleBlock,
+    axes: [usize; 3],
+) -> BoxCorners<S> {
+    let [a, b, c] = &triangles.corners;
+    let load = load_ordered_axes;
+    let (min, max) =
+        around_each(simd, [load(simd, a, axes), load(simd, b, axes), load(simd, c, axes)]);
+    BoxCorners::between(outward(simd, min, -1.0), outward(simd, max, 1.0))
+}
+
+/// Least and largest coordinates of triangles, moved outward by the error of their depth.
+#[inline(always)]
+fn around_each<S: Simd>(simd: S, [a, b, c]: [Axes<S>; 3]) -> (Axes<S>, Axes<S>) {
     let min = [lowest(a[0], b[0], c[0]), lowest(a[1], b[1], c[1]), lowest(a[2], b[2], c[2])];
     let max = [highest(a[0], b[0], c[0]), highest(a[1], b[1], c[1]), highest(a[2], b[2], c[2])];
     let edges = subtract(max, min);
     let radius = (edges[0] + edges[1] + edges[2]) * f32x16::splat(simd, 0.5);
-    let outward = radius * f32x16::splat(simd, DEPTH_ERROR);
-    around(min, max, outward)
+    let moved = radius * f32x16::splat(simd, DEPTH_ERROR);
+    move_apart(min, max, moved)
+}
+
+/// Moves coordinates for rounding, as [`BoxBounds::between`] does.
+#[inline(always)]
+fn outward<S: Simd>(simd: S, corner: Axes<S>, sign: f32) -> Axes<S> {
+    let error = f32x16::splat(simd, sign * CORNER_ERROR);
+    [
+        corner[0] + corner[0].abs() * error,
+        corner[1] + corner[1].abs() * error,
+        corner[2] + corner[2].abs() * error,
+    ]
 }
 
 /// The box around sixteen bounding spheres, enlarged.
@@ -30,15 +64,16 @@ pub fn around_triangles<S: Simd>(simd: S, triangles: &TriangleBlock) -> BoxBound
 pub fn around_spheres<S: Simd>(simd: S, spheres: &SphereBlock) -> BoxBounds {
     let spheres = spheres.load(simd);
     let outward = spheres.radius * f32x16::splat(simd, 1.0 + 2.0 * DEPTH_ERROR);
-    around(spheres.center, spheres.center, outward)
+    let (min, max) = move_apart(spheres.center, spheres.center, outward);
+    BoxBounds::around_lanes(min, max)
 }
 
-/// The box around boxes with their sides moved outward.
+/// Moves the sides of boxes outward.
 #[inline(always)]
-fn around<S: Simd>(min: [f32x16<S>; 3], max: [f32x16<S>; 3], outward: f32x16<S>) -> BoxBounds {
+fn move_apart<S: Simd>(min: Axes<S>, max: Axes<S>, outward: f32x16<S>) -> (Axes<S>, Axes<S>) {
     let min = [min[0] - outward, min[1] - outward, min[2] - outward];
     let max = [max[0] + outward, max[1] + outward, max[2] + outward];
-    BoxBounds::around_lanes(min, max)
+    (min, max)
 }
 
 #[inline(always)]

@@ -41,6 +41,10 @@ impl RayColumns {
     /// Fetches the rays at these positions of the batch; places without a ray repeat another.
     #[inline(always)]
     pub(super) fn gather(&mut self, batch: &RayBatch<'_>, ray_idx: &[u32]) {
+        if let Some(first_ray) = first_of_run(ray_idx) {
+            self.load_run(batch, first_ray as usize);
+            return;
+        }
         let mut positions = [NO_RAY; LANES];
         positions[..ray_idx.len()].copy_from_slice(ray_idx);
         self.present = 0;
@@ -58,6 +62,17 @@ impl RayColumns {
         gather(batch.t_min(), &positions, &mut self.t_min);
         gather(batch.t_max(), &positions, &mut self.t_max);
         gather(batch.mask(), &positions, &mut self.masks);
+    }
+
+    /// Fetches sixteen consecutive rays.
+    #[inline(always)]
+    fn load_run(&mut self, batch: &RayBatch<'_>, first_ray: usize) {
+        self.present = (1 << LANES) - 1;
+        self.origin = batch.origin().lanes(first_ray);
+        self.direction = batch.direction().lanes(first_ray);
+        self.t_min = batch.t_min().lanes(first_ray);
+        self.t_max = batch.t_max().lanes(first_ray);
+        self.masks = batch.mask().lanes(first_ray);
     }
 
     /// Tells which rays are to be traced, as [`Ray::state`](rayflock_geom::Ray::state) does.
@@ -113,6 +128,15 @@ impl RayColumns {
             }
         }
     }
+}
+
+/// The first of sixteen positions, if the others follow it one by one.
+#[inline(always)]
+fn first_of_run(ray_idx: &[u32]) -> Option<u32> {
+    let ray_idx: &[u32; LANES] = ray_idx.try_into().ok()?;
+    let first = ray_idx[0];
+    let is_run = (0..LANES as u32).all(|lane| ray_idx[lane as usize] == first.wrapping_add(lane));
+    (is_run && first < NO_RAY - LANES as u32).then_some(first)
 }
 
 #[inline(always)]

@@ -1,17 +1,19 @@
 //! Sorts rays by their place on the faces, along a Hilbert curve.
 
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use rayflock_geom::RayBatch;
-use rayflock_geom::simd::face::Face;
+use rayflock_geom::simd::face::{Face, pierce_cube};
 use rayflock_geom::simd::{
-    LANES, Select, Simd, SimdBase, SimdCvtTruncate, SimdLevel, SimdMask, dispatch, f32x16, u32x16,
+    LANES, Select, Simd, SimdBase, SimdCvtTruncate, SimdLevel, SimdMask, dispatch, f32x16,
+    mask32x16, u32x16,
 };
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use super::super::arrange::NO_RAY;
-use super::radix_sort::RadixSorter;
-use super::ray_columns::RayColumns;
+use super::ray_columns::{RayColumns, RayStates};
+use crate::sort_keyed::KeyedSorter;
 
 /// Rays that one task gives keys.
 const RAYS_PER_TASK: usize = 4096;
@@ -19,21 +21,16 @@ const RAYS_PER_TASK: usize = 4096;
 /// Bits of the curve at most; a face number stands above them.
 const MOST_CURVE_BITS: u32 = 28;
 
-/// Bits of a face number.
-const FACE_BITS: u32 = 3;
-
-/// Face number of rays that have no place, or are not to be traced.
-const NOWHERE: u32 = 7;
-
 /// Rays in the order of their places on the faces.
 #[derive(Debug, Default)]
 pub(super) struct PointSorter {
-    sorter: RadixSorter,
+    sorter: KeyedSorter,
     /// Positions in the batch; each face's rays fill whole tiles, with [`NO_RAY`] at the end.
     pub(super) ray_idx: Vec<u32>,
     /// For each tile, its face.
     pub(super) tile_faces: Vec<u32>,
-    places: Vec<AtomicU32>,
+    /// Entries of rays on faces; those behind have no place, or are not to be traced.
+    placed: usize,
 }
 
 /// The part of a face that is divided into cells.
@@ -55,6 +52,7 @@ impl PointSorter {
         faces: &[Face],
         tile_len: usize,
     ) -> (u64, bool) {
+        let _span = debug_span!("sort_points").entered();
         let window = dispatch!(level.level(), simd => window(simd, batch, faces));
         let tasks = self.sorter.entries(batch.len()).par_chunks_mut(RAYS_PER_TASK).enumerate();
         let (invalid_count, is_lost) = tasks
@@ -66,7 +64,9 @@ impl PointSorter {
             })
             .reduce(|| (0, false), |a, b| (a.0 + b.0, a.1 | b.1));
         if !is_lost {
-            self.sorter.sort(window.curve_bits + FACE_BITS);
+            // The number behind the last face is that of rays that are not traced.
+            let face_bits = usize::BITS - faces.len().leading_zeros();
+            self.sorter.sort(window.curve_bits + face_bits);
             self.fill_tiles(faces.len(), window.curve_bits, tile_len);
         }
         (invalid_count, is_lost)
@@ -76,43 +76,32 @@ impl PointSorter {
         let sorted = self.sorter.sorted();
         self.ray_idx.clear();
         self.tile_faces.clear();
-        self.places.resize_with(sorted.len(), AtomicU32::default);
-        let mut begin = 0;
+        self.placed = 0;
         for face_idx in 0..face_count as u32 {
             let face_of = |entry: &AtomicU64| (entry.load(Relaxed) >> (32 + curve_bits)) as u32;
-            let rest = &sorted[begin..];
+            let rest = &sorted[self.placed..];
             let rest = &rest[..rest.partition_point(|entry| face_of(entry) <= face_idx)];
             let first = self.ray_idx.len();
             self.ray_idx.resize(first + rest.len().next_multiple_of(tile_len), NO_RAY);
             self.tile_faces.resize(self.ray_idx.len() / tile_len, face_idx);
-            let places = &self.places;
             let tasks = self.ray_idx[first..].par_chunks_mut(RAYS_PER_TASK);
-            tasks.zip(rest.par_chunks(RAYS_PER_TASK)).enumerate().for_each(
-                |(task_idx, (ray_idx, entries))| {
-                    for (idx, (ray_idx, entry)) in ray_idx.iter_mut().zip(entries).enumerate() {
-                        *ray_idx = entry.load(Relaxed) as u32;
-                        let place = first + task_idx * RAYS_PER_TASK + idx;
-                        places[*ray_idx as usize].store(place as u32, Relaxed);
-                    }
-                },
-            );
-            begin += rest.len();
-        }
-        for entry in &sorted[begin..] {
-            self.places[entry.load(Relaxed) as u32 as usize].store(NO_RAY, Relaxed);
+            tasks.zip(rest.par_chunks(RAYS_PER_TASK)).for_each(|(ray_idx, entries)| {
+                for (ray_idx, entry) in ray_idx.iter_mut().zip(entries) {
+                    *ray_idx = entry.load(Relaxed) as u32;
+                }
+            });
+            self.placed += rest.len();
         }
     }
 
-    /// Where a ray of the batch lies; [`NO_RAY`] for one that is not traced.
-    #[inline(always)]
-    pub(super) fn place(&self, ray_idx: usize) -> u32 {
-        self.places[ray_idx].load(Relaxed)
+    /// Rays of the batch that are in no tile.
+    pub(super) fn left_out(&self) -> impl Iterator<Item = u32> + '_ {
+        self.sorter.sorted()[self.placed..].iter().map(|entry| entry.load(Relaxed) as u32)
     }
 
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
-        self.sorter.memory_usage()
-            + 4 * (self.ray_idx.capacity() + self.tile_faces.capacity() + self.places.capacity())
+        self.sorter.memory_usage() + 4 * (self.ray_idx.capacity() + self.tile_faces.capacity())
     }
 }
 
@@ -138,8 +127,8 @@ fn window<S: Simd>(simd: S, batch: &RayBatch<'_>, faces: &[Face]) -> Window {
             }
         }
     }
-    // Some four to sixteen cells a ray.
-    let axis_bits = (usize::BITS - batch.len().leading_zeros()).div_ceil(2) + 1;
+    // One to four cells a ray.
+    let axis_bits = (usize::BITS - batch.len().leading_zeros()).div_ceil(2);
     let curve_bits = (2 * axis_bits).min(MOST_CURVE_BITS);
     let cells = (1 << (curve_bits / 2)) as f32;
     let scale = [0, 1].map(|axis| {
@@ -171,27 +160,33 @@ fn write_keys<S: Simd>(
         columns.gather(batch, &positions(start, start + keyed.len()));
         let states = columns.states(simd);
         invalid_count += states.invalid_count;
-        let mut left = states.active;
-        let mut keys = u32x16::splat(simd, NOWHERE << window.curve_bits);
-        for (face_idx, face) in faces.iter().enumerate() {
-            let points = face.project_rays(simd, columns.origin(simd), columns.direction(simd));
-            let mut here = left & points.on_face;
-            if faces.len() > 1 {
-                // Each ray belongs to the side of the cube that it pierces.
-                let side = f32x16::splat(simd, 1.0);
-                here &= points.x.abs().simd_le(side) & points.y.abs().simd_le(side);
-            }
-            let curve = curve(simd, window, points.x, points.y);
-            let key = curve | u32x16::splat(simd, (face_idx as u32) << window.curve_bits);
-            keys = here.select(key, keys);
-            left &= !here;
-        }
-        is_lost |= left.any_true() | states.looks_back;
+        let (here, face_idx, [x, y]) = points(simd, faces, &columns, &states);
+        is_lost |= (states.active & !here).any_true() | states.looks_back;
+        let nowhere = u32x16::splat(simd, (faces.len() as u32) << window.curve_bits);
+        let keys = (face_idx << window.curve_bits) | curve(simd, window, x, y);
+        let keys = here.select(keys, nowhere);
         for (lane, keyed) in keyed.iter_mut().enumerate() {
             *keyed.get_mut() = (u64::from(keys[lane]) << 32) | (start + lane) as u64;
         }
     }
     (invalid_count, is_lost)
+}
+
+/// Active rays that have a place, on which face, and where.
+#[inline(always)]
+fn points<S: Simd>(
+    simd: S,
+    faces: &[Face],
+    columns: &RayColumns,
+    states: &RayStates<S>,
+) -> (mask32x16<S>, u32x16<S>, [f32x16<S>; 2]) {
+    let direction = columns.direction(simd);
+    if let [face] = faces {
+        let points = face.project_rays(simd, columns.origin(simd), direction);
+        return (states.active & points.on_face, u32x16::splat(simd, 0), [points.x, points.y]);
+    }
+    let (side, point) = pierce_cube(simd, direction);
+    (states.active, side, point)
 }
 
 /// Places of points along the curve, outside the window at its border.

@@ -14,6 +14,7 @@ use rayflock_geom::simd::{
 };
 
 use super::super::arrange::NO_RAY;
+use super::answers::Answers;
 use super::ray_columns::RayColumns;
 use super::stream_triangles::Chunk;
 use crate::TraceStats;
@@ -90,7 +91,7 @@ impl TileTracer {
         face: &Face,
         tile_idx: usize,
         ray_idx: &[u32],
-        nearest: &mut [Nearest],
+        answers: &Answers,
     ) -> TraceStats {
         self.load(simd, work, face, ray_idx);
         let mut stats = TraceStats::default();
@@ -100,8 +101,8 @@ impl TileTracer {
             }
         }
         self.trace_others(simd, work, ray_idx, &mut stats);
-        for (group, nearest) in self.groups.iter().zip(nearest.chunks_mut(LANES)) {
-            group.store(nearest);
+        for (group, ray_idx) in self.groups.iter().zip(ray_idx.chunks(LANES)) {
+            group.answer(ray_idx, answers);
         }
         stats
     }
@@ -401,9 +402,11 @@ impl Group {
     }
 
     #[inline(always)]
-    fn store(&self, nearest: &mut [Nearest]) {
-        for (lane, nearest) in nearest.iter_mut().enumerate() {
-            *nearest = self.nearest(lane);
+    fn answer(&self, ray_idx: &[u32], answers: &Answers) {
+        for (lane, &ray_idx) in ray_idx.iter().enumerate() {
+            if ray_idx != NO_RAY {
+                answers.set(ray_idx as usize, &self.nearest(lane));
+            }
         }
     }
 }
