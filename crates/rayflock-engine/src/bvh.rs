@@ -132,7 +132,7 @@ impl BvhEngine {
             return TraceStats::default();
         }
         self.build_fresh();
-        self.nearest.clear();
+        // Tasks write what they begin with.
         self.nearest.resize(rays.len(), Nearest::NONE);
         let asked = BlockQuestion {
             table: &self.table,
@@ -150,6 +150,7 @@ impl BvhEngine {
             let mut tracer = take(scratch);
             let first_ray = block_idx * block_len;
             let stats = dispatch!(level, simd => {
+                nearest.fill(Nearest::NONE);
                 let block = first_ray..first_ray + nearest.len();
                 let mut stats = tracer.rays.fill(simd, &asked, block, t_bound);
                 tracer.trace(simd, &asked, nearest, &mut stats);

@@ -92,14 +92,14 @@ mod tests {
         for (member_idx, is_fresh, took_ns) in
             [(0, true, 2e6), (0, false, 2e6), (1, true, 10e6), (1, false, 1e6)]
         {
-            model.learn(member_idx, &batch(), is_fresh, took_ns);
+            (0..5).for_each(|_| model.learn(member_idx, &batch(), is_fresh, took_ns));
         }
         for member_idx in 0..MEMBERS.len() {
-            model.learn_commit(member_idx, &FRAME, 1e3);
+            (0..5).for_each(|_| model.learn_commit(member_idx, &FRAME, 1e3));
         }
         for member_idx in 2..MEMBERS.len() {
             for is_fresh in [true, false] {
-                model.learn(member_idx, &batch(), is_fresh, 1e9);
+                (0..5).for_each(|_| model.learn(member_idx, &batch(), is_fresh, 1e9));
             }
         }
         model

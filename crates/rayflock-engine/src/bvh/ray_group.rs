@@ -139,6 +139,18 @@ impl RayGroup {
         Nearest { t: self.t[lane], u: self.u[lane], v: self.v[lane], rank: self.ranks[lane] }
     }
 
+    /// Writes the hits of all lanes that have one.
+    #[inline(always)]
+    pub(super) fn write_hits<S: Simd>(&self, simd: S, nearest: &mut [Nearest]) {
+        let ranks = u32x16::from_slice(simd, &self.ranks);
+        let mut hit = (!ranks.simd_eq(u32x16::splat(simd, u32::MAX))).to_bitmask();
+        while hit != 0 {
+            let lane = hit.trailing_zeros() as usize;
+            hit &= hit - 1;
+            nearest[lane] = self.nearest(lane);
+        }
+    }
+
     /// Where a ray's interval ends now.
     pub(super) fn end(&self, lane: usize) -> f32 {
         self.t[lane].min(self.rays.t_max[lane])

@@ -2,9 +2,9 @@
 //! rays, face by face of the cube that they leave through.
 
 use rayflock_geom::RayBatch;
+use rayflock_geom::simd::Simd;
 use rayflock_geom::simd::aligned_rays::FACES;
 use rayflock_geom::simd::ray_boxes::BoxBounds;
-use rayflock_geom::simd::{LANES, Simd};
 
 use super::ray_block::RayBlock;
 use super::trace_groups::RayGroups;
@@ -67,10 +67,7 @@ impl BlockTracer {
             }
         }
         for group in groups {
-            let nearest = &mut nearest[group.first as usize..];
-            for (lane, nearest) in nearest.iter_mut().take(LANES).enumerate() {
-                nearest.offer(group.nearest(lane));
-            }
+            group.write_hits(simd, &mut nearest[group.first as usize..]);
         }
     }
 
