@@ -197,16 +197,19 @@ impl TileTracer {
         }
     }
 
-    /// Takes over what a group has come to accept.
+    /// Takes over what a group has come to accept: by whole vectors, for loads would wait long for
+    /// single lanes that were just stored.
     #[inline(always)]
     fn lower<S: Simd>(&mut self, simd: S, node_idx: usize, lane: usize) {
         let group = &self.groups[node_idx * LANES + lane];
         let boxes = &mut self.boxes[node_idx];
-        boxes.limit[lane] = group.least_limit(simd);
+        let limits = with_lane(simd, &boxes.limit, lane, group.least_limit(simd));
+        limits.store_slice(&mut boxes.limit);
         if group.active == 0 {
             boxes.clear(lane);
         }
-        self.nodes.limit[node_idx] = simd.reduce_min_f32x16(f32x16::from_slice(simd, &boxes.limit));
+        let least = simd.reduce_min_f32x16(limits);
+        with_lane(simd, &self.nodes.limit, node_idx, least).store_slice(&mut self.nodes.limit);
     }
 
     fn note_other(&mut self, group_idx: usize, slot: u32) {
@@ -251,6 +254,13 @@ impl TileTracer {
             + self.boxes.capacity() * size_of::<PointBoxes>()
             + others
     }
+}
+
+/// A column with one lane replaced.
+#[inline(always)]
+fn with_lane<S: Simd>(simd: S, column: &Lanes, lane: usize, value: f32) -> f32x16<S> {
+    let one = mask32x16::from_bitmask(simd, 1 << lane);
+    one.select(f32x16::splat(simd, value), f32x16::from_slice(simd, column))
 }
 
 impl Group {
