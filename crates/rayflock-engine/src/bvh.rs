@@ -4,27 +4,36 @@
 //!   parts        objects that rest go to a kept tree, objects that change to a fresh one
 //!   sort_slots   primitives along a Hilbert curve
 //!   build_tree   (stage_triangles) sixteen primitives a leaf, sixteen leaves a node, sixteen nodes a node ...
-//!   ray_block    some thousand rays, prepared for boxes and for triangles
-//!   trace_block  lists of rays go down: a ray against sixteen boxes, then against sixteen triangles
+//!   ray_block    some thousand rays, prepared for boxes and for triangles; neighbours that start
+//!                and go alike become groups (ray_group)
+//!   trace_block  lists go down the trees (walk_tree): of groups, one beam against sixteen boxes,
+//!                in leaves all rays against each triangle that the beam meets (trace_groups);
+//!                of single rays, each against sixteen boxes, then sixteen triangles (trace_rays)
 //!   answer       hand the hits over
 //! ```
 //!
 //! **Source.** I. Wald, C. Gribble, S. Boulos, A. Kensler, "SIMD Ray Stream Tracing", 2007;
 //! J. Tsakok, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009 (lists of rays
 //! through nodes with as many children as a vector has lanes); C. Lauterbach et al., "Fast BVH
-//! Construction on GPUs", Eurographics 2009 (a tree by sorting).
+//! Construction on GPUs", Eurographics 2009 (a tree by sorting); S. Boulos, I. Wald, P. Shirley,
+//! "Geometric and Arithmetic Culling Methods for Entire Ray Packets", UUCS-06-010, 2006 (intervals
+//! around rays that go alike).
 //!
 //! **Departures.** The tree is filled from the bottom, so all nodes are full and none needs a
 //! pointer; the curve is Hilbert's. Lists hold the rays that leave through one face of a cube, so
-//! that they share the order of axes.
+//! that they share the order of axes. Groups are looked for in sixteen neighbours at a time unless
+//! the batch is said to have no order: what does not go like the first of those left is split off,
+//! and whoever has no company travels alone.
 //!
-//! **Invariants.** Boxes are conservative (`simd::ray_boxes`, `simd::triangle_boxes`): a primitive
+//! **Invariants.** Boxes are conservative (`simd::ray_boxes`, `simd::ray_beams`,
+//! `simd::triangle_boxes`): a primitive
 //! that the accepting test would hit is in a leaf that the ray gets to, unless a nearer hit was
 //! found before. Which tree an object is in changes speed, never an answer.
 //!
 //! **Cost.** Per frame, the table's pass over what changed and a sort of it; 69 bytes a triangle
 //! above the table; the fresh tree is built when the first batch of a frame comes. Per ray, 64 bytes
-//! in a block.
+//! in a block, 128 in batches with an order. Groups took 1K triangles x 1M mirrored rays from 66 to
+//! 18 ms (two AVX-512 server cores).
 
 mod build_tree;
 mod config;

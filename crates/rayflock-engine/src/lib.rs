@@ -5,7 +5,7 @@
 //! |---|---|---|
 //! | [`brute`] | all rays against all primitives | you want the definition of the answer, or have a few hundred primitives |
 //! | [`hierarchy`] | a structure over the rays, nothing over the geometry | everything moves, and rays share an origin or a direction or neighbours go similar ways |
-//! | [`bvh`] | a tree over the geometry, built anew each frame, and streams of rays | rays share nothing: diffuse light, mirrors that are curved |
+//! | [`bvh`] | a tree over the geometry, built anew each frame, and streams of rays | rays share nothing: diffuse light, mirrors that are curved; or neighbours go alike and triangles are few |
 //! | [`auto`] | asks whichever of the others is expected to answer soonest | you have no reason to choose |
 //!
 //! Read them in this order: [`RayEngine`] (the question), [`brute`] (the definition of the

@@ -17,7 +17,7 @@ const SMALL: &str = "museum3";
 /// The scene whose table of primitives is written: 16,384 triangles that move, and the hall.
 const MOVING: &str = "museum7";
 
-pub(crate) const CASES: [Case; 6] = [
+pub(crate) const CASES: [Case; 9] = [
     Case { name: "commit", item: "triangles", run: commit },
     Case {
         name: "hierarchy_primary",
@@ -38,6 +38,17 @@ pub(crate) const CASES: [Case; 6] = [
         name: "hierarchy_diffuse",
         item: "rays",
         run: || trace(EngineKind::Hierarchy, LARGE, RayKind::Diffuse),
+    },
+    Case { name: "bvh_build", item: "triangles", run: build },
+    Case {
+        name: "bvh_mirror",
+        item: "rays",
+        run: || trace(EngineKind::Bvh, LARGE, RayKind::Mirror),
+    },
+    Case {
+        name: "bvh_diffuse",
+        item: "rays",
+        run: || trace(EngineKind::Bvh, LARGE, RayKind::Diffuse),
     },
     Case {
         name: "brute_primary",
@@ -63,19 +74,38 @@ fn frame(name: &str, frame: u32) -> (SceneFrame, Surroundings) {
     (frame, surroundings)
 }
 
-/// Takes over a frame in which the sculpture moved and the hall stood still.
-fn commit() -> usize {
+/// Three frames in which the sculpture moves and the hall stands still.
+fn moving_frames() -> [SceneFrame; 3] {
     let scene = Arc::new(builtin::build(MOVING).unwrap());
     let mut evaluator = Evaluator::new(Arc::clone(&scene), None).unwrap();
-    let mut engine = create(EngineKind::Hierarchy);
     let rate = scene.default_frame_rate();
-    let mut at = |frame: u32| evaluator.evaluate(f64::from(frame) / rate).unwrap().clone();
-    let frames = [FRAME, FRAME + 1, FRAME + 2].map(&mut at);
-    for frame in &frames[..2] {
+    [FRAME, FRAME + 1, FRAME + 2]
+        .map(|frame| evaluator.evaluate(f64::from(frame) / rate).unwrap().clone())
+}
+
+/// Takes over a frame.
+fn commit() -> usize {
+    let [first, second, last] = moving_frames();
+    let mut engine = create(EngineKind::Hierarchy);
+    for frame in [&first, &second] {
         engine.commit(&frame.geometry, &frame.changes).unwrap();
     }
-    let last = &frames[2];
     let stats = measured_part(|| engine.commit(&last.geometry, &last.changes)).unwrap();
+    stats.rewritten_count
+}
+
+/// Builds the tree over what moved, which the first ray of a frame asks for.
+fn build() -> usize {
+    let mut engine = create(EngineKind::Bvh);
+    let ray = RayBatch::new(Vec3::ZERO, Vec3::Y).unwrap();
+    let mut hits = HitBuffer::new(1);
+    let [first, second, last] = moving_frames();
+    for frame in [&first, &second] {
+        engine.commit(&frame.geometry, &frame.changes).unwrap();
+        engine.closest_hit(&ray, &mut hits.as_hits());
+    }
+    let stats = engine.commit(&last.geometry, &last.changes).unwrap();
+    measured_part(|| engine.closest_hit(&ray, &mut hits.as_hits()));
     stats.rewritten_count
 }
 

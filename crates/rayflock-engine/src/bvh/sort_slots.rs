@@ -1,10 +1,9 @@
 //! Sorts primitives along a space-filling curve, so that runs of sixteen have small boxes.
 //!
 //! ```text
-//!   measure    bounds of the middles, number of primitives       one task a chunk of blocks
-//!   encode     place of each middle on the curve, with its slot  the same
-//!   scatter    two or three passes of a radix sort, lowest digit first:
-//!              count digits a chunk, sum, move                   one task a chunk of entries
+//!   measure   bounds of the middles, number of primitives       one task a chunk of blocks
+//!   encode    place of each middle on the curve, with its slot  the same
+//!   sort      by place: `sort_keyed`
 //! ```
 //!
 //! **Source.** C. Lauterbach et al., "Fast BVH Construction on GPUs", Eurographics 2009 (sorted
@@ -15,7 +14,7 @@
 //!
 //! **Invariants.** Each wanted primitive that can be hit has one entry; no other has.
 //!
-//! **Cost.** Two passes over the corners, 24 bytes moved an entry and pass.
+//! **Cost.** Two passes over the corners and a sort of 8 bytes a primitive.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -27,6 +26,7 @@ use rayflock_geom::simd::{
 use rayon::prelude::*;
 
 use crate::primitives::PrimitiveTable;
+use crate::sort_keyed::KeyedSorter;
 
 /// Blocks of sixteen that are worth a task of their own.
 const BLOCKS_PER_CHUNK: usize = 512;
@@ -45,13 +45,9 @@ pub(super) struct WantedLanes {
 /// Sorts slots, keeping its memory.
 #[derive(Debug, Default)]
 pub(super) struct SlotSorter {
-    /// Places on the curve and slots: `code << 32 | slot`. Atomic because several tasks write
-    /// each part of it, at places that are not known to differ but by arithmetic.
-    sorted: Vec<AtomicU64>,
-    unsorted: Vec<AtomicU64>,
+    /// Places on the curve and slots: `code << 32 | slot`.
+    keyed: KeyedSorter,
     chunks: Vec<Chunk>,
-    /// How often each digit occurs in each chunk; then where its next entry goes.
-    counts: Vec<u32>,
     len: usize,
 }
 
@@ -62,8 +58,6 @@ struct Chunk {
     min: Vec3,
     max: Vec3,
     len: usize,
-    /// Entries in the chunks before.
-    first: usize,
 }
 
 /// How middles become places on the curve.
@@ -87,19 +81,10 @@ impl SlotSorter {
         let most_chunks = CHUNKS_PER_THREAD * rayon::current_num_threads();
         let blocks_per_chunk = wanted.len().div_ceil(most_chunks).max(BLOCKS_PER_CHUNK);
         self.measure(level, table, wanted, blocks_per_chunk);
-        if self.len == 0 {
-            return;
-        }
         let cells = self.cells();
-        let passes = passes(cells.bits);
-        self.encode(level, table, wanted, blocks_per_chunk, &cells, passes[0]);
-        for (idx, pass) in passes.iter().enumerate().filter(|(_, pass)| pass.bits > 0) {
-            std::mem::swap(&mut self.sorted, &mut self.unsorted);
-            if idx > 0 {
-                self.count(*pass);
-            }
-            self.scatter(*pass);
-        }
+        let encoder = Encoder { level, table, blocks_per_chunk, cells };
+        encoder.encode(wanted, &self.chunks, self.keyed.entries(self.len));
+        self.keyed.sort(3 * cells.bits);
     }
 
     /// Number of sorted primitives.
@@ -110,13 +95,13 @@ impl SlotSorter {
     /// The slots of all primitives in order, from a place on.
     #[inline(always)]
     pub(super) fn slots(&self, first: usize) -> impl ExactSizeIterator<Item = u32> + Clone + '_ {
-        self.sorted[first..self.len].iter().map(|entry| entry.load(Relaxed) as u32)
+        self.keyed.sorted()[first..].iter().map(|entry| entry.load(Relaxed) as u32)
     }
 
     /// The slot of the primitive at a place of the order.
     #[inline(always)]
     pub(super) fn slot(&self, place: usize) -> u32 {
-        self.sorted[place].load(Relaxed) as u32
+        self.keyed.sorted()[place].load(Relaxed) as u32
     }
 
     fn measure(
@@ -126,18 +111,14 @@ impl SlotSorter {
         wanted: &[WantedLanes],
         blocks_per_chunk: usize,
     ) {
-        let empty = Chunk { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY, len: 0, first: 0 };
+        let empty = Chunk { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY, len: 0 };
         self.chunks.clear();
         self.chunks.resize(wanted.len().div_ceil(blocks_per_chunk), empty);
         let tasks = self.chunks.par_iter_mut().zip(wanted.par_chunks(blocks_per_chunk));
         tasks.for_each(|(chunk, wanted)| {
             *chunk = dispatch!(level.level(), simd => measure_chunk(simd, table, wanted));
         });
-        self.len = 0;
-        for chunk in &mut self.chunks {
-            chunk.first = self.len;
-            self.len += chunk.len;
-        }
+        self.len = self.chunks.iter().map(|chunk| chunk.len).sum();
     }
 
     fn bounds(&self) -> (Vec3, Vec3) {
@@ -158,110 +139,38 @@ impl SlotSorter {
         Cells { min, density: if density.is_finite() { density } else { 0.0 }, bits }
     }
 
-    fn encode(
-        &mut self,
-        level: SimdLevel,
-        table: &PrimitiveTable,
-        wanted: &[WantedLanes],
-        blocks_per_chunk: usize,
-        cells: &Cells,
-        pass: Pass,
-    ) {
-        for column in [&mut self.sorted, &mut self.unsorted] {
-            if column.len() < self.len {
-                column.resize_with(self.len, AtomicU64::default);
-            }
-        }
-        self.counts.clear();
-        self.counts.resize(self.chunks.len() << pass.bits, 0);
-        let counts = self.counts.par_chunks_mut(1 << pass.bits).zip(&self.chunks);
-        let entries = &self.sorted;
-        counts.zip(wanted.par_chunks(blocks_per_chunk)).for_each(|((counts, chunk), wanted)| {
-            let entries = &entries[chunk.first..chunk.first + chunk.len];
-            dispatch!(level.level(), simd => {
-                encode_chunk(simd, table, wanted, cells, entries);
-            });
-            count_digits(entries, pass, counts);
-        });
-    }
-
-    fn count(&mut self, pass: Pass) {
-        self.counts.clear();
-        self.counts.resize(self.chunks.len() << pass.bits, 0);
-        let counts = self.counts.par_chunks_mut(1 << pass.bits).zip(&self.chunks);
-        let entries = &self.unsorted;
-        counts.for_each(|(counts, chunk)| {
-            count_digits(&entries[chunk.first..chunk.first + chunk.len], pass, counts);
-        });
-    }
-
-    /// Moves all entries to where their digit sends them.
-    fn scatter(&mut self, pass: Pass) {
-        sum_counts(&mut self.counts, 1 << pass.bits);
-        let places = self.counts.par_chunks_mut(1 << pass.bits).zip(&self.chunks);
-        let (unsorted, sorted) = (&self.unsorted, &self.sorted);
-        places.for_each(|(places, chunk)| {
-            for entry in &unsorted[chunk.first..chunk.first + chunk.len] {
-                let entry = entry.load(Relaxed);
-                let place = &mut places[pass.digit(entry)];
-                sorted[*place as usize].store(entry, Relaxed);
-                *place += 1;
-            }
-        });
-    }
-
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
-        (self.sorted.capacity() + self.unsorted.capacity()) * size_of::<AtomicU64>()
-            + self.chunks.capacity() * size_of::<Chunk>()
-            + self.counts.capacity() * size_of::<u32>()
+        self.keyed.memory_usage() + self.chunks.capacity() * size_of::<Chunk>()
     }
 }
 
-/// The digit of one pass of the radix sort; without bits, there is no such pass.
-#[derive(Clone, Copy, Debug)]
-struct Pass {
-    shift: u32,
-    bits: u32,
+/// Writes entries.
+struct Encoder<'a> {
+    level: SimdLevel,
+    table: &'a PrimitiveTable,
+    blocks_per_chunk: usize,
+    cells: Cells,
 }
 
-impl Pass {
-    #[inline(always)]
-    fn digit(self, entry: u64) -> usize {
-        (entry >> self.shift) as usize & ((1 << self.bits) - 1)
-    }
-}
-
-/// The passes for codes of so many bits an axis: few digits, and small enough that the places
-/// they send to stay in the second-level cache.
-fn passes(bits: u32) -> [Pass; 3] {
-    let code_bits = 3 * bits;
-    let widths = if code_bits <= 24 {
-        [code_bits.div_ceil(2), code_bits / 2, 0]
-    } else {
-        [code_bits.div_ceil(3), code_bits.div_ceil(3), code_bits - 2 * code_bits.div_ceil(3)]
-    };
-    let mut shift = u32::BITS;
-    widths.map(|bits| {
-        shift += bits;
-        Pass { shift: shift - bits, bits }
-    })
-}
-
-fn count_digits(entries: &[AtomicU64], pass: Pass, counts: &mut [u32]) {
-    for entry in entries {
-        counts[pass.digit(entry.load(Relaxed))] += 1;
-    }
-}
-
-/// Turns counts of each digit in each chunk into places: all of the lowest digit first, in the
-/// order of the chunks.
-fn sum_counts(counts: &mut [u32], digits: usize) {
-    let mut place = 0;
-    for digit in 0..digits {
-        for count in counts[digit..].iter_mut().step_by(digits) {
-            (*count, place) = (place, place + *count);
+impl Encoder<'_> {
+    /// Writes the entries of some chunks, in parallel.
+    fn encode(&self, wanted: &[WantedLanes], chunks: &[Chunk], entries: &mut [AtomicU64]) {
+        if chunks.len() > 1 {
+            let middle = chunks.len() / 2;
+            let (left, right) = chunks.split_at(middle);
+            let (left_wanted, right_wanted) = wanted.split_at(middle * self.blocks_per_chunk);
+            let left_len = left.iter().map(|chunk| chunk.len).sum();
+            let (left_entries, right_entries) = entries.split_at_mut(left_len);
+            rayon::join(
+                || self.encode(left_wanted, left, left_entries),
+                || self.encode(right_wanted, right, right_entries),
+            );
+            return;
         }
+        dispatch!(self.level.level(), simd => {
+            encode_chunk(simd, self.table, wanted, &self.cells, entries);
+        });
     }
 }
 
@@ -283,7 +192,6 @@ fn measure_chunk<S: Simd>(simd: S, table: &PrimitiveTable, wanted: &[WantedLanes
         min: Vec3::new(min[0].reduce_min(), min[1].reduce_min(), min[2].reduce_min()),
         max: Vec3::new(max[0].reduce_max(), max[1].reduce_max(), max[2].reduce_max()),
         len,
-        first: 0,
     }
 }
 
@@ -293,7 +201,7 @@ fn encode_chunk<S: Simd>(
     table: &PrimitiveTable,
     wanted: &[WantedLanes],
     cells: &Cells,
-    entries: &[AtomicU64],
+    entries: &mut [AtomicU64],
 ) {
     let min = cells.min.to_array();
     let density = f32x16::splat(simd, cells.density);
@@ -311,7 +219,7 @@ fn encode_chunk<S: Simd>(
             there &= there - 1;
             let code = u64::from(codes[lane as usize]);
             let entry = (code << u32::BITS) | (first_slot + u64::from(lane));
-            entries[written].store(entry, Relaxed);
+            *entries[written].get_mut() = entry;
             written += 1;
         }
     }
