@@ -29,6 +29,10 @@ const SINKING: f32 = 0.997;
 /// what rests is prepared, so the least of them counts.
 const TRIALS: u32 = 3;
 
+/// Nanoseconds from which on a measurement stands for two: starting slowly is a smaller part of
+/// it, and trying costs more.
+const LONG_NS: f32 = 5e6;
+
 /// Measured over shipped time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Ratio {
@@ -49,9 +53,9 @@ impl Ratio {
         (self.trials == TRIALS).then_some(self.value)
     }
 
-    fn learn(&mut self, measured: f32) {
+    fn learn(&mut self, measured: f32, took_ns: f32) {
         if self.trials < TRIALS {
-            self.trials += 1;
+            self.trials = (self.trials + if took_ns < LONG_NS { 1 } else { 2 }).min(TRIALS);
             self.value = self.value.min(measured);
         } else {
             self.value += STEP * (measured.min(WORST_SURPRISE * self.value) - self.value);
@@ -109,13 +113,13 @@ impl CostModel {
         let measured = took_ns / prior::trace_ns(MEMBERS[member_idx], situation, is_fresh);
         let ratios = self.traces.entry((situation.key(), is_fresh)).or_default();
         for (idx, ratio) in ratios.iter_mut().enumerate() {
-            if idx == member_idx { ratio.learn(measured) } else { ratio.sink() }
+            if idx == member_idx { ratio.learn(measured, took_ns) } else { ratio.sink() }
         }
     }
 
     /// Takes note of what a commit took.
     pub(super) fn learn_commit(&mut self, member_idx: usize, frame: &Frame, took_ns: f32) {
-        self.commits[member_idx].learn(took_ns / prior::commit_ns(frame));
+        self.commits[member_idx].learn(took_ns / prior::commit_ns(frame), took_ns);
     }
 }
 
@@ -153,7 +157,7 @@ mod tests {
         let mut model = CostModel::default();
         let here = situation(4096, RayClass::Unordered);
         let before = model.trace_ns(0, &here, true);
-        model.learn(0, &here, true, 1e9);
+        model.learn(0, &here, true, 4e6);
         assert_eq!(model.trace_ns(0, &here, true), before, "it is tried again");
         (1..TRIALS).for_each(|_| model.learn(0, &here, true, 2e6));
         assert!((model.trace_ns(0, &here, true) / 2e6 - 1.0).abs() < 1e-6);
