@@ -1,7 +1,7 @@
 //! A tree over the geometry built anew each frame, and rays that flow through it in streams.
 //!
 //! ```text
-//!   parts        objects that rest go to a kept tree, objects that change to a fresh one
+//!   (parts)      objects that rest go to a kept tree, objects that change to a fresh one
 //!   sort_slots   primitives along a Hilbert curve
 //!   build_tree   (stage_triangles) sixteen primitives a leaf, sixteen leaves a node, sixteen nodes a node ...
 //!   ray_block    some thousand rays, prepared for boxes and for triangles; neighbours that start
@@ -37,7 +37,6 @@
 
 mod build_tree;
 mod config;
-mod parts;
 mod ray_block;
 mod ray_group;
 mod sort_slots;
@@ -48,8 +47,6 @@ mod trace_rays;
 mod tree;
 mod walk_tree;
 
-use std::sync::Mutex;
-
 use rayflock_geom::simd::ray_boxes::BoxBounds;
 use rayflock_geom::simd::{LANES, dispatch};
 use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch, RayOrder};
@@ -57,14 +54,15 @@ use rayon::prelude::*;
 
 pub use config::Config;
 
-use self::build_tree::{TreeBuilder, Wanted};
-use self::parts::{KeptChange, Parts, Place};
-use self::sort_slots::WantedLanes;
+use self::build_tree::TreeBuilder;
 use self::trace_block::{BlockQuestion, BlockTracer};
 use self::tree::Tree;
 use crate::answer::{offer_hits, tell_occluded};
 use crate::packet::{Nearest, Question};
+use crate::parts::{KeptChange, Parts, Place};
 use crate::primitives::PrimitiveTable;
+use crate::scratch::Scratch;
+use crate::wanted::Wanted;
 use crate::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
 
 /// Triangles along the side of a group of rays.
@@ -84,7 +82,7 @@ pub struct BvhEngine {
     fresh_is_built: bool,
     nearest: Vec<Nearest>,
     /// Memory of tasks that are not running.
-    scratch: Mutex<Vec<BlockTracer>>,
+    scratch: Scratch<BlockTracer>,
 }
 
 impl BvhEngine {
@@ -156,7 +154,7 @@ impl BvhEngine {
         let (level, scratch) = (self.config.simd.level(), &self.scratch);
         let blocks = self.nearest.par_chunks_mut(block_len).enumerate();
         let counted = blocks.map(|(block_idx, nearest)| {
-            let mut tracer = take(scratch);
+            let mut tracer = scratch.take();
             let first_ray = block_idx * block_len;
             let stats = dispatch!(level, simd => {
                 nearest.fill(Nearest::NONE);
@@ -165,7 +163,7 @@ impl BvhEngine {
                 tracer.trace(simd, &asked, nearest, &mut stats);
                 stats
             });
-            give_back(scratch, tracer);
+            scratch.give_back(tracer);
             stats
         });
         counted.reduce(TraceStats::default, |a, b| a + b)
@@ -184,51 +182,6 @@ fn block_len(ray_count: usize, prim_count: usize, has_groups: bool) -> usize {
     };
     let tasks = ray_count.div_ceil(longest).max(2 * rayon::current_num_threads());
     ray_count.div_ceil(tasks).next_multiple_of(LANES).clamp(1024.min(ray_count.max(1)), longest)
-}
-
-fn take(scratch: &Mutex<Vec<BlockTracer>>) -> BlockTracer {
-    let pooled = scratch.lock().ok().and_then(|mut pool| pool.pop());
-    pooled.unwrap_or_default()
-}
-
-fn give_back(scratch: &Mutex<Vec<BlockTracer>>, tracer: BlockTracer) {
-    if let Ok(mut pool) = scratch.lock() {
-        pool.push(tracer);
-    }
-}
-
-impl Wanted {
-    /// Lists the primitives of the objects whose place is `chosen`.
-    fn list(&mut self, table: &PrimitiveTable, places: &[Place], chosen: impl Fn(Place) -> bool) {
-        self.triangles.clear();
-        self.others.clear();
-        for (span, _) in table.spans().iter().zip(places).filter(|&(_, &place)| chosen(place)) {
-            let (first, count) = (&span.first_slot, &span.count);
-            push_slots(&mut self.triangles, first.triangles, count.triangles);
-        }
-        for (span, _) in table.spans().iter().zip(places).filter(|&(_, &place)| chosen(place)) {
-            push_slots(&mut self.others, span.first_slot.spheres, span.count.spheres);
-        }
-        for (span, _) in table.spans().iter().zip(places).filter(|&(_, &place)| chosen(place)) {
-            push_slots(&mut self.others, span.first_slot.users, span.count.users);
-        }
-    }
-}
-
-/// Adds `count` slots from `first` on, which lie behind those that are in the list.
-fn push_slots(wanted: &mut Vec<WantedLanes>, first: usize, count: usize) {
-    let end = first + count;
-    let mut slot = first;
-    while slot < end {
-        let (block_idx, lane) = ((slot / LANES) as u32, slot % LANES);
-        let lane_count = (LANES - lane).min(end - slot);
-        let lanes = ((1_u32 << lane_count) - 1) << lane;
-        match wanted.last_mut().filter(|last| last.block_idx == block_idx) {
-            Some(last) => last.lanes |= lanes,
-            None => wanted.push(WantedLanes { block_idx, lanes }),
-        }
-        slot += lane_count;
-    }
 }
 
 impl RayEngine for BvhEngine {
@@ -262,14 +215,12 @@ impl RayEngine for BvhEngine {
     }
 
     fn memory_usage(&self) -> usize {
-        let scratch =
-            self.scratch.lock().map_or(0, |pool| pool.iter().map(BlockTracer::memory_usage).sum());
         self.table.memory_usage()
             + self.parts.memory_usage()
             + self.builder.memory_usage()
             + self.kept.memory_usage()
             + self.fresh.memory_usage()
             + self.nearest.capacity() * size_of::<Nearest>()
-            + scratch
+            + self.scratch.sum(BlockTracer::memory_usage)
     }
 }

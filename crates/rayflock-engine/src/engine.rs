@@ -68,11 +68,14 @@ pub enum EngineKind {
     Hierarchy,
     /// A tree over the geometry, built anew each frame, and streams of rays.
     Bvh,
+    /// Grids of primitives, one for each direction.
+    Subfields,
 }
 
 impl EngineKind {
     /// Every engine of this crate.
-    pub const ALL: [Self; 4] = [Self::Auto, Self::Brute, Self::Hierarchy, Self::Bvh];
+    pub const ALL: [Self; 5] =
+        [Self::Auto, Self::Brute, Self::Hierarchy, Self::Bvh, Self::Subfields];
 
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
@@ -81,6 +84,7 @@ impl EngineKind {
             Self::Brute => "brute",
             Self::Hierarchy => "hierarchy",
             Self::Bvh => "bvh",
+            Self::Subfields => "subfields",
         }
     }
 }

@@ -6,6 +6,7 @@
 //! | [`brute`] | all rays against all primitives | you want the definition of the answer, or have a few hundred primitives |
 //! | [`hierarchy`] | a structure over the rays, nothing over the geometry | everything moves, and rays share an origin or a direction or neighbours go similar ways |
 //! | [`bvh`] | a tree over the geometry, built anew each frame, and streams of rays | rays share nothing: diffuse light, mirrors that are curved; or neighbours go alike and triangles are few |
+//! | [`subfields`] | a grid of primitives for each direction, brought up to date when a ray wants it | very many rays share a direction |
 //! | [`auto`] | asks whichever of the others is expected to answer soonest | you have no reason to choose |
 //!
 //! Read them in this order: [`RayEngine`] (the question), [`brute`] (the definition of the
@@ -34,14 +35,20 @@
 #![forbid(unsafe_code)]
 
 mod answer;
+mod answers;
 pub mod auto;
 pub mod brute;
 pub mod bvh;
 mod engine;
 pub mod hierarchy;
 mod packet;
+mod parts;
 mod primitives;
+mod scratch;
 mod sort_keyed;
+pub mod subfields;
+mod triangle_leaf;
+mod wanted;
 
 pub use engine::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
 
@@ -52,5 +59,6 @@ pub fn create(kind: EngineKind) -> Box<dyn RayEngine> {
         EngineKind::Brute => Box::new(brute::BruteEngine::default()),
         EngineKind::Hierarchy => Box::new(hierarchy::HierarchyEngine::default()),
         EngineKind::Bvh => Box::new(bvh::BvhEngine::default()),
+        EngineKind::Subfields => Box::new(subfields::SubfieldsEngine::default()),
     }
 }

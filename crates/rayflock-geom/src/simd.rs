@@ -15,6 +15,7 @@ mod axes;
 pub mod cone_sphere;
 pub mod face;
 mod face_rare;
+pub mod face_rows;
 #[cfg(test)]
 mod face_tests;
 pub mod face_triangle;

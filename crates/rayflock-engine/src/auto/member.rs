@@ -7,6 +7,7 @@ use web_time::Instant;
 use crate::brute::{self, BruteEngine};
 use crate::bvh::{self, BvhEngine};
 use crate::hierarchy::{self, HierarchyEngine};
+use crate::subfields::{self, SubfieldsEngine};
 use crate::{CommitStats, EngineError, EngineKind, RayEngine};
 
 /// The engines that are chosen from; the first where nothing tells them apart.
@@ -34,6 +35,10 @@ impl Member {
             EngineKind::Brute => Box::new(BruteEngine::new(brute::Config { simd })),
             EngineKind::Hierarchy => Box::new(HierarchyEngine::new(hierarchy::Config { simd })),
             EngineKind::Bvh => Box::new(BvhEngine::new(bvh::Config { simd })),
+            EngineKind::Subfields => Box::new(SubfieldsEngine::new(subfields::Config {
+                simd,
+                ..subfields::Config::default()
+            })),
             EngineKind::Auto => unreachable!("the choosing engine does not choose itself"),
         };
         let held = Geometry::default();

@@ -78,6 +78,6 @@ fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
         (EngineKind::Hierarchy, Ordered | Unordered) => {
             Coefficients { fixed: 100_000.0, prim: 20.0, ray: 300.0, test: 0.15, ..NOTHING }
         }
-        (EngineKind::Auto, _) => NOTHING,
+        (EngineKind::Auto | EngineKind::Subfields, _) => NOTHING,
     }
 }

@@ -6,10 +6,12 @@ use rayflock_geom::simd::triangle_rows::{ROW_COUNT, columns_of_rows};
 use rayflock_geom::simd::{LANES, Simd, SimdLevel, dispatch};
 use rayon::prelude::*;
 
-use super::sort_slots::{SlotSorter, WantedLanes};
+use super::sort_slots::SlotSorter;
 use super::stage_triangles::{StagedTriangles, TriangleReader};
-use super::tree::{OtherLeaf, Tree, TriangleLeaf};
+use super::tree::{OtherLeaf, Tree};
 use crate::primitives::PrimitiveTable;
+use crate::triangle_leaf::TriangleLeaf;
+use crate::wanted::Wanted;
 
 /// Nodes of sixteen leaves that one task writes at least.
 const NODES_PER_TASK: usize = 8;
@@ -50,13 +52,6 @@ impl TreeBuilder {
     pub(super) fn memory_usage(&self) -> usize {
         self.triangles.memory_usage() + self.others.memory_usage()
     }
-}
-
-/// The primitives that a tree is wanted over.
-#[derive(Debug, Default)]
-pub(super) struct Wanted {
-    pub(super) triangles: Vec<WantedLanes>,
-    pub(super) others: Vec<WantedLanes>,
 }
 
 struct LeafWriter<'a> {

@@ -27,20 +27,13 @@ use rayon::prelude::*;
 
 use crate::primitives::PrimitiveTable;
 use crate::sort_keyed::KeyedSorter;
+use crate::wanted::WantedLanes;
 
 /// Blocks of sixteen that are worth a task of their own.
 const BLOCKS_PER_CHUNK: usize = 512;
 
 /// Chunks a thread, so that all finish at about the same time.
 const CHUNKS_PER_THREAD: usize = 2;
-
-/// Some primitives of a block of the table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct WantedLanes {
-    pub(super) block_idx: u32,
-    /// One bit a lane.
-    pub(super) lanes: u32,
-}
 
 /// Sorts slots, keeping its memory.
 #[derive(Debug, Default)]

@@ -10,11 +10,12 @@ use rayflock_geom::simd::{LANES, Simd, SimdMask};
 
 use super::ray_group::{LeafTriangle, RayGroup};
 use super::trace_block::BlockQuestion;
-use super::tree::{OtherLeaf, TriangleLeaf};
+use super::tree::OtherLeaf;
 use super::walk_tree::Travellers;
 use crate::TraceStats;
 use crate::packet::{Nearest, TracePacket};
 use crate::primitives::{SPHERE_BYTES, TRIANGLE_BYTES};
+use crate::triangle_leaf::TriangleLeaf;
 
 /// The groups of a block.
 pub(super) struct RayGroups<'a> {

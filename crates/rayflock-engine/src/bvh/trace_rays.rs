@@ -9,11 +9,12 @@ use rayflock_geom::simd::{LANES, Simd, SimdBase, SimdMask, mask32x16, u32x16};
 
 use super::ray_block::StreamRay;
 use super::trace_block::BlockQuestion;
-use super::tree::{OtherLeaf, TriangleLeaf};
+use super::tree::OtherLeaf;
 use super::walk_tree::Travellers;
 use crate::TraceStats;
 use crate::packet::{Nearest, Question, TracePacket};
 use crate::primitives::{SPHERE_BYTES, TRIANGLE_BYTES};
+use crate::triangle_leaf::TriangleLeaf;
 
 /// The single rays of a block and what they hit so far.
 pub(super) struct SingleRays<'a> {

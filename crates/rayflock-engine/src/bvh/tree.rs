@@ -14,25 +14,8 @@ use std::ops::Range;
 
 use rayflock_geom::simd::LANES;
 use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxBounds};
-use rayflock_geom::simd::ray_triangle::TriangleBlock;
 
-/// Sixteen triangles, with all that a test reads.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
-pub(super) struct TriangleLeaf {
-    /// Corners in world space.
-    pub(super) triangles: TriangleBlock,
-    /// Object masks; 0 for lanes without a triangle.
-    pub(super) masks: [u32; LANES],
-    /// Ranks.
-    pub(super) ranks: [u32; LANES],
-}
-
-impl TriangleLeaf {
-    /// A leaf without triangles.
-    pub(super) const EMPTY: Self =
-        Self { triangles: TriangleBlock::EMPTY, masks: [0; LANES], ranks: [u32::MAX; LANES] };
-}
+use crate::triangle_leaf::TriangleLeaf;
 
 /// The slots of up to sixteen spheres or user primitives.
 #[derive(Clone, Copy, Debug)]

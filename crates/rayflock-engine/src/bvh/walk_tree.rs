@@ -16,8 +16,9 @@ use rayflock_geom::simd::aligned_rays::{face_axes, goes_along};
 use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxLanes};
 use rayflock_geom::simd::{LANES, Simd, SimdBase, SimdMask, u32x16};
 
-use super::tree::{Child, OtherLeaf, Tree, TriangleLeaf};
+use super::tree::{Child, OtherLeaf, Tree};
 use crate::TraceStats;
+use crate::triangle_leaf::TriangleLeaf;
 
 /// Whoever goes through a tree, by numbers.
 pub(super) trait Travellers<S: Simd> {

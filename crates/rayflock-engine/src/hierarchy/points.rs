@@ -31,7 +31,6 @@
 //! reach 128 bytes, and a box test for each level of the pyramid. 16 bytes a ray, 16 more where
 //! they are sorted; one kilobyte for sixteen rays of a tile at work.
 
-mod answers;
 mod faces;
 mod occupancy;
 mod point_tiles;
@@ -49,7 +48,6 @@ use rayflock_geom::{RayBatch, RayOrder};
 use rayon::prelude::*;
 use tracing::debug_span;
 
-use self::answers::Answers;
 use self::faces::Faces;
 use self::point_tiles::FaceTiles;
 use self::ray_columns::RayColumns;
@@ -58,6 +56,7 @@ use self::stream_triangles::{Chunk, Share};
 use self::trace_tile::{LARGEST_TILE, TileTracer, TileWork};
 use super::arrange::{Arrangement, NO_RAY};
 use crate::TraceStats;
+use crate::answers::Answers;
 use crate::packet::{Nearest, Question};
 use crate::primitives::PrimitiveTable;
 

@@ -233,6 +233,16 @@ impl PrimitiveTable {
         self.rank_table.object(rank)
     }
 
+    /// A point that something is near; the origin where there is nothing.
+    pub(crate) fn some_point(&self) -> Vec3 {
+        let slot = (0..self.block_count() * LANES).find(|&slot| self.mask(slot as u32) != 0);
+        let point = slot.map(|slot| match self.kind(slot as u32) {
+            SlotKind::Triangle([corner, ..]) => corner,
+            SlotKind::Sphere(_) | SlotKind::User(_) => self.bound(slot as u32).center,
+        });
+        point.filter(|point| point.is_finite()).unwrap_or(Vec3::ZERO)
+    }
+
     /// The SIMD level at which the table is written.
     pub(crate) fn simd(&self) -> SimdLevel {
         self.simd

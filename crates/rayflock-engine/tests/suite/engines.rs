@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 use rayflock_engine::{
-    CommitStats, EngineKind, RayEngine, TraceStats, auto, brute, bvh, create, hierarchy,
+    CommitStats, EngineKind, RayEngine, TraceStats, auto, brute, bvh, create, hierarchy, subfields,
 };
 use rayflock_geom::simd::SimdLevel;
 use rayflock_geom::{FrameChanges, Geometry, Hit, HitBuffer, RayBatch};
@@ -27,6 +27,10 @@ impl Subject {
                 Box::new(hierarchy::HierarchyEngine::new(hierarchy::Config { simd }))
             }
             EngineKind::Bvh => Box::new(bvh::BvhEngine::new(bvh::Config { simd })),
+            EngineKind::Subfields => {
+                let config = subfields::Config { simd, ..subfields::Config::default() };
+                Box::new(subfields::SubfieldsEngine::new(config))
+            }
             kind => panic!("tell the suite how to make the engine {kind} at a SIMD level"),
         };
         assert_eq!(engine.name(), kind.name());

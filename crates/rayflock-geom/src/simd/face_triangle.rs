@@ -270,7 +270,7 @@ impl<S: Simd> TrianglePlanes<S> {
 
 /// Makes rows of columns: four perfect shuffles.
 #[inline(always)]
-fn transpose<S: Simd>(rows: [f32x16<S>; LANES]) -> [f32x16<S>; LANES] {
+pub(super) fn transpose<S: Simd>(rows: [f32x16<S>; LANES]) -> [f32x16<S>; LANES] {
     shuffle(shuffle(shuffle(shuffle(rows))))
 }
 

@@ -13,7 +13,7 @@ use crate::args::thread_count;
 pub(crate) struct EngineArguments {
     /// The engines, separated by commas, in the order of their turns.
     ///
-    /// Ours: auto, brute, hierarchy, bvh. Others: embree:best (every setting is tried, the best one counts),
+    /// Ours: auto, brute, hierarchy, bvh, subfields. Others: embree:best (every setting is tried, the best one counts),
     /// embree:SETTING (such as embree:low+instances+packets+coherent), obvhs.
     #[arg(
         long,

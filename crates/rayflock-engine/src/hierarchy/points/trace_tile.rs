@@ -14,10 +14,10 @@ use rayflock_geom::simd::{
 };
 
 use super::super::arrange::NO_RAY;
-use super::answers::Answers;
 use super::ray_columns::RayColumns;
 use super::stream_triangles::Chunk;
 use crate::TraceStats;
+use crate::answers::Answers;
 use crate::packet::{Nearest, Question, TracePacket, packet_test_bytes};
 use crate::primitives::PrimitiveTable;
 

@@ -9,7 +9,7 @@ use crate::packet::{Nearest, Question};
 
 /// One answer a ray.
 #[derive(Debug, Default)]
-pub(super) struct Answers {
+pub(crate) struct Answers {
     question: Option<Question>,
     /// `t` and u, v and rank.
     nearest: Vec<[AtomicU64; 2]>,
@@ -18,7 +18,7 @@ pub(super) struct Answers {
 
 impl Answers {
     /// Makes room for so many answers. All of them are to be written.
-    pub(super) fn begin(&mut self, len: usize, question: Question) {
+    pub(crate) fn begin(&mut self, len: usize, question: Question) {
         self.question = Some(question);
         match question {
             Question::Closest => self.nearest.resize_with(len, Default::default),
@@ -28,7 +28,7 @@ impl Answers {
 
     /// Writes the answer of one ray.
     #[inline(always)]
-    pub(super) fn set(&self, ray_idx: usize, found: &Nearest) {
+    pub(crate) fn set(&self, ray_idx: usize, found: &Nearest) {
         if self.question == Some(Question::Occluded) {
             self.occluded[ray_idx].store(!found.is_none(), Relaxed);
             return;
@@ -39,25 +39,25 @@ impl Answers {
     }
 
     /// Notes that a ray hits nothing.
-    pub(super) fn set_none(&self, ray_idx: usize) {
+    pub(crate) fn set_none(&self, ray_idx: usize) {
         self.set(ray_idx, &Nearest::NONE);
     }
 
     /// The nearest hit of a ray.
     #[inline(always)]
-    pub(super) fn nearest(&self, ray_idx: usize) -> Nearest {
+    pub(crate) fn nearest(&self, ray_idx: usize) -> Nearest {
         let [first, second] = &self.nearest[ray_idx];
         bytemuck::cast([first.load(Relaxed), second.load(Relaxed)])
     }
 
     /// Whether a ray hits anything.
     #[inline(always)]
-    pub(super) fn is_occluded(&self, ray_idx: usize) -> bool {
+    pub(crate) fn is_occluded(&self, ray_idx: usize) -> bool {
         self.occluded[ray_idx].load(Relaxed)
     }
 
     /// Bytes held.
-    pub(super) fn memory_usage(&self) -> usize {
+    pub(crate) fn memory_usage(&self) -> usize {
         16 * self.nearest.capacity() + self.occluded.capacity()
     }
 }

@@ -13,7 +13,7 @@ use crate::primitives::ObjectSpan;
 
 /// What is to be done about the kept tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum KeptChange {
+pub(crate) enum KeptChange {
     /// It stays as it is.
     None,
     /// It is to be built over the kept objects, perhaps none.
@@ -22,7 +22,7 @@ pub(super) enum KeptChange {
 
 /// Which objects are in which tree.
 #[derive(Debug, Default)]
-pub(super) struct Parts {
+pub(crate) struct Parts {
     /// All objects of the frame before, in the order of their ids.
     before: Vec<Placed>,
     /// One for each object of this frame.
@@ -42,7 +42,7 @@ struct Placed {
 
 /// Where an object's primitives are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(crate) enum Place {
     /// In the kept tree.
     Kept,
     /// In the fresh tree: it rests, but is not worth a new kept tree yet.
@@ -53,7 +53,7 @@ pub(super) enum Place {
 
 impl Parts {
     /// Divides the objects of a frame; `spans` tells where their primitives lie.
-    pub(super) fn divide(&mut self, geometry: &Geometry, spans: &[ObjectSpan]) -> KeptChange {
+    pub(crate) fn divide(&mut self, geometry: &Geometry, spans: &[ObjectSpan]) -> KeptChange {
         self.find_places(geometry, spans);
         let kept_count = self.prim_count(spans, Place::Kept);
         let resting_count = self.prim_count(spans, Place::Resting);
@@ -75,7 +75,7 @@ impl Parts {
     }
 
     /// Where the primitives of each object are.
-    pub(super) fn places(&self) -> &[Place] {
+    pub(crate) fn places(&self) -> &[Place] {
         &self.places
     }
 
@@ -121,7 +121,7 @@ impl Parts {
     }
 
     /// Bytes held.
-    pub(super) fn memory_usage(&self) -> usize {
+    pub(crate) fn memory_usage(&self) -> usize {
         self.before.capacity() * size_of::<Placed>() + self.places.capacity() * size_of::<Place>()
     }
 }

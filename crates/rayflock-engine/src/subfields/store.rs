@@ -1,0 +1,116 @@
+//! The subfields that are held, by direction, within a budget of memory.
+
+use glam::Vec3;
+use rayflock_geom::simd::SimdLevel;
+use rayon::prelude::*;
+use tracing::debug_span;
+
+use super::bin_triangles::Projection;
+use super::build_grid::GridBuilder;
+use super::subfield::Subfield;
+use crate::primitives::PrimitiveTable;
+use crate::wanted::Wanted;
+
+/// Tasks for each thread when one direction is built.
+const TASKS_PER_THREAD: usize = 2;
+
+/// There are at most so many tasks.
+const MOST_TASKS: usize = 64;
+
+/// What is in the grids of a frame.
+#[derive(Debug, Default)]
+pub(super) struct Contents {
+    pub(super) kept: Wanted,
+    pub(super) moving: Wanted,
+    /// The frame in which `kept` became what it is.
+    pub(super) kept_frame: u64,
+    pub(super) frame: u64,
+}
+
+impl Contents {
+    /// Bytes held.
+    pub(super) fn memory_usage(&self) -> usize {
+        self.kept.memory_usage() + self.moving.memory_usage()
+    }
+}
+
+/// Subfields. See the [module](self).
+#[derive(Debug, Default)]
+pub(super) struct SubfieldStore {
+    subfields: Vec<Subfield>,
+    builder: GridBuilder,
+    /// Counts how often subfields were asked for.
+    clock: u64,
+    /// Subfields that were given up for lack of memory.
+    pub(super) evicted_count: u64,
+}
+
+impl SubfieldStore {
+    /// Brings the subfields of some directions up to date; returns their positions, which hold until
+    /// the next call.
+    pub(super) fn prepare(
+        &mut self,
+        level: SimdLevel,
+        table: &PrimitiveTable,
+        contents: &Contents,
+        directions: &[Vec3],
+        budget: usize,
+    ) -> Vec<usize> {
+        let _span = debug_span!("prepare_subfields").entered();
+        self.clock += 1;
+        self.evict(budget);
+        let places = directions.iter().map(|&direction| self.find(direction, table)).collect();
+        let stale = self.subfields.iter_mut().filter(|one| one.used == self.clock);
+        let mut stale: Vec<&mut Subfield> = stale.filter(|one| !one.is_current(contents)).collect();
+        let tasks = (TASKS_PER_THREAD * rayon::current_num_threads()).min(MOST_TASKS);
+        let task_count = tasks.div_ceil(stale.len().max(1));
+        let builder = &self.builder;
+        stale.par_iter_mut().for_each(|subfield| {
+            let Subfield { face, kept, moving, .. } = &mut **subfield;
+            let parts = [
+                (kept, &contents.kept, contents.kept_frame),
+                (moving, &contents.moving, contents.frame),
+            ];
+            for (grid, wanted, frame) in parts {
+                if grid.frame != frame {
+                    let from = Projection { level, table, wanted, face, task_count };
+                    builder.build(&from, frame, grid);
+                }
+            }
+        });
+        places
+    }
+
+    /// A subfield, by its position.
+    pub(super) fn get(&self, place: usize) -> &Subfield {
+        &self.subfields[place]
+    }
+
+    /// The position of a direction's subfield, which is made if there is none.
+    fn find(&mut self, direction: Vec3, table: &PrimitiveTable) -> usize {
+        let found = self.subfields.iter().position(|one| one.direction == direction);
+        let place = found.unwrap_or_else(|| {
+            self.subfields.push(Subfield::new(direction, table.some_point()));
+            self.subfields.len() - 1
+        });
+        self.subfields[place].used = self.clock;
+        place
+    }
+
+    /// Gives up what was not used for longest until the rest is within the budget.
+    fn evict(&mut self, budget: usize) {
+        let mut held: usize = self.subfields.iter().map(Subfield::memory_usage).sum();
+        while held > budget && self.subfields.len() > 1 {
+            let oldest = (0..self.subfields.len()).min_by_key(|&idx| self.subfields[idx].used);
+            let Some(oldest) = oldest else { return };
+            held -= self.subfields.swap_remove(oldest).memory_usage();
+            self.evicted_count += 1;
+        }
+    }
+
+    /// Bytes held.
+    pub(super) fn memory_usage(&self) -> usize {
+        self.subfields.iter().map(Subfield::memory_usage).sum::<usize>()
+            + self.builder.memory_usage()
+    }
+}
