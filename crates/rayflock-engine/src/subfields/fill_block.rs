@@ -2,8 +2,8 @@
 //!
 //! ```text
 //!   choose   how many tiles, from how many there would be in each
-//!   list     triangles by tile: count, sum up, place
-//!   sort     those of a tile from near to far, where they fill more than one leaf
+//!   sort     triangles from near to far
+//!   list     them by tile: count, sum up, place
 //!   write    leaves of sixteen
 //! ```
 
@@ -15,7 +15,7 @@ use super::tile_grid::TileBlock;
 use crate::triangle_leaf::TriangleLeaf;
 
 /// Tiles are made smaller as long as so many triangles are left in each.
-const FEWEST_IN_TILE: f32 = 6.0;
+const FEWEST_IN_TILE: f32 = 10.0;
 
 /// And as long as there are no more than so many entries for each triangle.
 const MOST_COPIES: f32 = 4.0;
@@ -29,6 +29,8 @@ const PLACE_BITS: u32 = 26;
 /// Works out the tiles of one block after the other; memory is kept.
 #[derive(Debug, Default)]
 pub(super) struct BlockFiller {
+    /// Triangles from near to far: nearness above share and place in it.
+    sorted: Vec<u64>,
     /// For each tile, where its entries end.
     ends: Vec<u32>,
     /// Triangles by tile: share and place in it.
@@ -59,9 +61,23 @@ impl BlockFiller {
         let first = [(column << cell_bits) as u32, (row << cell_bits) as u32];
         let place = Place { first, cell_bits };
         block.level = place.choose_level(shares, others.clone().count());
+        self.sort(shares);
         self.list(&place, block.level, shares);
         self.write(block, shares);
         self.write_others(&place, block, others);
+    }
+
+    /// Sorts the triangles from near to far.
+    fn sort(&mut self, shares: &[&[FaceRow]]) {
+        self.sorted.clear();
+        for (share_idx, share) in shares.iter().enumerate() {
+            let first = (share_idx as u32) << PLACE_BITS;
+            let keyed = share.iter().zip(first..);
+            self.sorted.extend(keyed.map(|(row, entry)| {
+                (u64::from(far_to_near(row.nearest())) << 32) | u64::from(entry)
+            }));
+        }
+        self.sorted.sort_unstable();
     }
 
     /// Lists the triangles of each tile.
@@ -69,21 +85,20 @@ impl BlockFiller {
         self.ends.clear();
         self.ends.resize(1 << (2 * level), 0);
         for row in shares.iter().copied().flatten() {
-            let inside = [row.columns(), row.rows()];
-            place.for_tiles(inside, level, |tile_idx| self.ends[tile_idx] += 1);
+            let cells = [row.columns(), row.rows()];
+            place.for_tiles(cells, level, |tile_idx| self.ends[tile_idx] += 1);
         }
         sum_up(&mut self.ends);
 
         // Entries are placed from behind, so ends become beginnings.
         self.entries.resize(self.ends.last().copied().unwrap_or(0) as usize, 0);
-        for (share_idx, share) in shares.iter().enumerate() {
-            for (row_idx, row) in share.iter().enumerate() {
-                let entry = ((share_idx as u32) << PLACE_BITS) | row_idx as u32;
-                place.for_tiles([row.columns(), row.rows()], level, |tile_idx| {
-                    self.ends[tile_idx] -= 1;
-                    self.entries[self.ends[tile_idx] as usize] = entry;
-                });
-            }
+        for &sorted in self.sorted.iter().rev() {
+            let entry = sorted as u32;
+            let row = row_of(shares, entry);
+            place.for_tiles([row.columns(), row.rows()], level, |tile_idx| {
+                self.ends[tile_idx] -= 1;
+                self.entries[self.ends[tile_idx] as usize] = entry;
+            });
         }
     }
 
@@ -126,12 +141,7 @@ impl BlockFiller {
         let ends = begins.clone().skip(1).chain([self.entries.len() as u32]);
         for (begin, end) in begins.zip(ends) {
             block.first_leaves.push(leaf_count as u32);
-            let entries = &mut self.entries[begin as usize..end as usize];
-            if entries.len() > LANES {
-                entries.sort_unstable_by(|&a, &b| {
-                    row_of(shares, b).nearest().total_cmp(&row_of(shares, a).nearest())
-                });
-            }
+            let entries = &self.entries[begin as usize..end as usize];
             for entries in entries.chunks(LANES) {
                 if block.leaves.len() <= leaf_count {
                     block.leaves.push(TriangleLeaf::EMPTY);
@@ -148,6 +158,7 @@ impl BlockFiller {
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
         (self.ends.capacity() + self.entries.capacity()) * size_of::<u32>()
+            + self.sorted.capacity() * size_of::<u64>()
     }
 }
 
@@ -204,6 +215,13 @@ impl Place {
     }
 }
 
+/// Bits that are the larger the less near something is.
+#[inline(always)]
+fn far_to_near(nearness: f32) -> u32 {
+    let bits = nearness.to_bits();
+    if bits >> 31 == 0 { !(bits | 1 << 31) } else { bits }
+}
+
 #[inline(always)]
 fn row_of<'a>(shares: &[&'a [FaceRow]], entry: u32) -> &'a FaceRow {
     &shares[(entry >> PLACE_BITS) as usize][(entry & ((1 << PLACE_BITS) - 1)) as usize]
@@ -214,7 +232,7 @@ fn row_of<'a>(shares: &[&'a [FaceRow]], entry: u32) -> &'a FaceRow {
 fn write_leaf(leaf: &mut TriangleLeaf, entries: &[u32], shares: &[&[FaceRow]]) -> [f32; 2] {
     let mut depths = [f32::NEG_INFINITY, f32::INFINITY];
     let columns = leaf.triangles.corners.as_flattened_mut();
-    for (lane, &entry) in entries.iter().enumerate() {
+    for (lane, &entry) in entries.iter().enumerate().take(LANES) {
         let row = row_of(shares, entry);
         for (column, &coordinate) in columns.iter_mut().zip(row.corners()) {
             column[lane] = coordinate;
