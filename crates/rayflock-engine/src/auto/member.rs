@@ -11,8 +11,8 @@ use crate::subfields::{self, SubfieldsEngine};
 use crate::{CommitStats, EngineError, EngineKind, RayEngine};
 
 /// The engines that are chosen from; the first where nothing tells them apart.
-pub(super) const MEMBERS: [EngineKind; 3] =
-    [EngineKind::Hierarchy, EngineKind::Bvh, EngineKind::Brute];
+pub(super) const MEMBERS: [EngineKind; 4] =
+    [EngineKind::Hierarchy, EngineKind::Bvh, EngineKind::Brute, EngineKind::Subfields];
 
 /// An engine that keeps the last frame it was given, which may be older than the current one.
 #[derive(Debug)]

@@ -18,6 +18,8 @@ struct Coefficients {
     near_prim: f32,
     /// A primitive that changed, once a frame, when the first batch comes.
     fresh_prim: f32,
+    /// A primitive that changed, whenever a batch comes: what is prepared serves that batch only.
+    moved_prim: f32,
     /// A ray.
     ray: f32,
     /// A ray, for each doubling of the primitives from 1024 on.
@@ -31,21 +33,27 @@ const NOTHING: Coefficients = Coefficients {
     prim: 0.0,
     near_prim: 0.0,
     fresh_prim: 0.0,
+    moved_prim: 0.0,
     ray: 0.0,
     ray_level: 0.0,
     test: 0.0,
 };
 
+/// Nanoseconds that no engine takes.
+const NEVER: f32 = 1e15;
+
 /// Nanoseconds of tracing a batch, `is_fresh` when it is the first after a commit.
 pub(super) fn trace_ns(kind: EngineKind, situation: &Situation, is_fresh: bool) -> f32 {
     let costs = coefficients(kind, situation.class);
     let (rays, prims) = (situation.ray_count as f32, situation.frame.prim_count as f32);
-    let fresh = if is_fresh { situation.frame.changed_count as f32 } else { 0.0 };
+    let moved = situation.frame.changed_count as f32;
+    let fresh = if is_fresh { moved } else { 0.0 };
     let levels = log2(situation.frame.prim_count).saturating_sub(10) as f32;
     costs.fixed
         + costs.prim * prims
         + costs.near_prim * prims.min(8.0 * rays)
         + costs.fresh_prim * fresh
+        + costs.moved_prim * moved
         + rays * (costs.ray + costs.ray_level * levels)
         + costs.test * rays * prims
 }
@@ -78,6 +86,17 @@ fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
         (EngineKind::Hierarchy, Ordered | Unordered) => {
             Coefficients { fixed: 100_000.0, prim: 20.0, ray: 300.0, test: 0.15, ..NOTHING }
         }
-        (EngineKind::Auto | EngineKind::Subfields, _) => NOTHING,
+        (EngineKind::Subfields, SharedDirection) => Coefficients {
+            fixed: 100_000.0,
+            moved_prim: 45.0,
+            ray: 15.0,
+            ray_level: 6.0,
+            ..NOTHING
+        },
+        // A subfield for each of many directions never pays.
+        (EngineKind::Subfields, SharedOrigin | Ordered | Unordered) => {
+            Coefficients { fixed: NEVER, ..NOTHING }
+        }
+        (EngineKind::Auto, _) => NOTHING,
     }
 }
