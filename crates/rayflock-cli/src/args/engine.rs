@@ -11,8 +11,8 @@ use rayflock_bench::peer::embree::EmbreeLibrary;
 /// Which engine traces the rays.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct EngineChoice {
-    /// The engine that traces the rays: auto asks whichever of brute, hierarchy and bvh should
-    /// answer soonest; to compare, also embree, embree:SETTING and obvhs.
+    /// The engine that traces the rays: auto asks whichever of brute, hierarchy, bvh and
+    /// subfields should answer soonest; to compare, also embree, embree:SETTING and obvhs.
     ///
     /// Our own engines give the same picture in every bit, those of others nearly the same.
     /// SETTING is how Embree is used: low, medium or refit; kept, instances or merged; single or
