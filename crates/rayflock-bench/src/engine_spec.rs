@@ -110,7 +110,7 @@ mod tests {
         for text in ["warp", "obvhs:fast", "embre:best", ""] {
             let message = parse(text).unwrap_err().to_string();
             assert!(message.contains(&format!("\"{text}\"")), "{message}");
-            assert!(message.contains("bvh, embree, embree:SETTING"), "{message}");
+            assert!(message.contains("subfields, embree, embree:SETTING"), "{message}");
         }
         assert!(parse("embree:bset").unwrap_err().to_string().contains("\"bset\""));
     }
