@@ -64,7 +64,7 @@ pub use direction_set::{DirectionLayout, DirectionSet};
 
 use self::ray_group::{Asked, RayGroup};
 use self::sort_directions::{DirectionSorter, Run};
-use self::store::{Contents, SubfieldStore};
+use self::store::{Contents, SubfieldStore, bytes_for};
 use self::trace_aligned::trace_aligned;
 use self::trace_walking::trace_walking;
 use crate::answer::{offer_hits, tell_occluded};
@@ -77,9 +77,6 @@ use crate::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
 
 /// Rays that one task traces.
 const RAYS_PER_TASK: usize = 1024;
-
-/// Bytes that grids take for each primitive, about.
-const BYTES_PER_PRIM: usize = 256;
 
 /// Traces rays through grids, one for each direction.
 #[derive(Debug, Default)]
@@ -161,7 +158,7 @@ impl SubfieldsEngine {
         let prim_count = self.table.geometry().prim_count();
         self.sorter.choose(&self.config, rays.len(), prim_count);
         let mut stats = self.sorter.sort(rays, &self.answers);
-        let at_once = (self.config.budget / (BYTES_PER_PRIM * prim_count.max(1))).max(1);
+        let at_once = (self.config.budget / bytes_for(&self.table)).max(1);
         for runs in self.sorter.runs().chunks(at_once) {
             let directions: Vec<Vec3> = runs.iter().map(|run| run.direction).collect();
             let (simd, budget) = (self.config.simd, self.config.budget);

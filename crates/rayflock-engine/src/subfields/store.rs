@@ -17,6 +17,14 @@ const TASKS_PER_THREAD: usize = 2;
 /// There are at most so many tasks.
 const MOST_TASKS: usize = 64;
 
+/// Bytes that grids take for each primitive, about.
+const BYTES_PER_PRIM: usize = 256;
+
+/// Bytes that the subfield of one direction takes, about.
+pub(super) fn bytes_for(table: &PrimitiveTable) -> usize {
+    BYTES_PER_PRIM * table.geometry().prim_count().max(1)
+}
+
 /// What is in the grids of a frame.
 #[derive(Debug, Default)]
 pub(super) struct Contents {
@@ -41,12 +49,10 @@ pub(super) struct SubfieldStore {
     builder: GridBuilder,
     /// Counts how often subfields were asked for.
     clock: u64,
-    /// Subfields that were given up for lack of memory.
-    pub(super) evicted_count: u64,
 }
 
 impl SubfieldStore {
-    /// Brings the subfields of some directions up to date; returns their positions, which hold until
+    /// Brings the subfields of some directions, all different, up to date; returns their positions, which hold until
     /// the next call.
     pub(super) fn prepare(
         &mut self,
@@ -58,7 +64,7 @@ impl SubfieldStore {
     ) -> Vec<usize> {
         let _span = debug_span!("prepare_subfields").entered();
         self.clock += 1;
-        self.evict(budget);
+        self.make_room(directions, bytes_for(table), budget);
         let places = directions.iter().map(|&direction| self.find(direction, table)).collect();
         let stale = self.subfields.iter_mut().filter(|one| one.used == self.clock);
         let mut stale: Vec<&mut Subfield> = stale.filter(|one| !one.is_current(contents)).collect();
@@ -97,14 +103,23 @@ impl SubfieldStore {
         place
     }
 
-    /// Gives up what was not used for longest until the rest is within the budget.
-    fn evict(&mut self, budget: usize) {
+    /// Gives up what was not used for longest, until what is still to come, of so many bytes each,
+    /// is within the budget too. What is asked for stays.
+    fn make_room(&mut self, directions: &[Vec3], bytes_each: usize, budget: usize) {
+        let mut missing = directions.len();
+        for subfield in &mut self.subfields {
+            if directions.contains(&subfield.direction) {
+                subfield.used = self.clock;
+                missing -= 1;
+            }
+        }
+        let room = budget.saturating_sub(missing * bytes_each);
         let mut held: usize = self.subfields.iter().map(Subfield::memory_usage).sum();
-        while held > budget && self.subfields.len() > 1 {
-            let oldest = (0..self.subfields.len()).min_by_key(|&idx| self.subfields[idx].used);
-            let Some(oldest) = oldest else { return };
+        while held > room {
+            let unused =
+                (0..self.subfields.len()).filter(|&idx| self.subfields[idx].used < self.clock);
+            let Some(oldest) = unused.min_by_key(|&idx| self.subfields[idx].used) else { return };
             held -= self.subfields.swap_remove(oldest).memory_usage();
-            self.evicted_count += 1;
         }
     }
 

@@ -37,6 +37,27 @@ impl Subject {
         Self { name: format!("{kind}, {simd}, {threads} threads"), engine, pool: pool(threads) }
     }
 
+    /// Engines with settings that are not the default.
+    pub(crate) fn with_settings() -> Vec<Self> {
+        let all = [
+            (subfields::DirectionLayout::Icosahedron, 10, 1),
+            (subfields::DirectionLayout::Fibonacci, 1, 1 << 30),
+            (subfields::DirectionLayout::Fibonacci, 100, 1 << 20),
+        ];
+        let subject = |(layout, direction_count, budget)| {
+            let config = subfields::Config {
+                layout,
+                direction_count: Some(direction_count),
+                budget,
+                ..subfields::Config::default()
+            };
+            let name = format!("subfields, {layout:?} {direction_count}, {budget} bytes");
+            let engine = Box::new(subfields::SubfieldsEngine::new(config));
+            Self { name, engine, pool: pool(2) }
+        };
+        all.map(subject).into()
+    }
+
     /// Every engine at every SIMD level with one and two threads.
     pub(crate) fn all() -> Vec<Self> {
         let kinds = EngineKind::ALL.into_iter();

@@ -10,4 +10,5 @@ mod engines;
 mod oracle;
 mod same_answer;
 mod stats;
+mod subfields;
 mod watertight;

@@ -123,10 +123,14 @@ fn random_set(rng: &mut Rng, geometry: &Geometry, len: usize) -> RaySet {
     }
 }
 
-/// Runs every engine through all frames of a recipe, half of them with exact changes.
-fn check_frames(recipe: &SceneRecipe, frame_count: usize, len: usize) -> Verdict {
+/// Runs engines through all frames of a recipe, half of them with exact changes.
+fn check_frames(
+    mut subjects: Vec<Subject>,
+    recipe: &SceneRecipe,
+    frame_count: usize,
+    len: usize,
+) -> Verdict {
     let mut rng = Rng::new(recipe.seed ^ 0x5eed);
-    let mut subjects = Subject::all();
     let mut previous = Geometry::default();
     for (frame_idx, geometry) in recipe.frames(frame_count).into_iter().enumerate() {
         let exact = FrameChanges::between(&previous, &geometry);
@@ -159,7 +163,18 @@ proptest! {
 
     #[test]
     fn engines_agree_on_random_frames(recipe in scene_recipe(5, 40)) {
-        if let Err(fault) = check_frames(&recipe, 4, 130) {
+        if let Err(fault) = check_frames(Subject::all(), &recipe, 4, 130) {
+            prop_assert!(false, "{fault}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(seeded(10, 3))]
+
+    #[test]
+    fn engines_agree_under_every_setting(recipe in scene_recipe(5, 40)) {
+        if let Err(fault) = check_frames(Subject::with_settings(), &recipe, 4, 130) {
             prop_assert!(false, "{fault}");
         }
     }
@@ -170,7 +185,7 @@ proptest! {
 fn engines_agree_on_large_batches() {
     for (seed, size, offset) in [(1, 1.0, 0.0), (2, 1e4, 100.0), (3, 1e-3, 10.0)] {
         let recipe = SceneRecipe { seed, object_count: 8, prim_count: 300, size, offset };
-        assert_eq!(check_frames(&recipe, 2, 2048), Ok(()), "{recipe:?}");
+        assert_eq!(check_frames(Subject::all(), &recipe, 2, 2048), Ok(()), "{recipe:?}");
     }
 }
 
