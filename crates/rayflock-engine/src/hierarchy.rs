@@ -51,8 +51,6 @@ mod sort_rays;
 mod trace_ray;
 mod trace_tile;
 
-use std::sync::Mutex;
-
 use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch};
 
 pub use config::Config;
@@ -60,10 +58,11 @@ pub use config::Config;
 use self::arrange::Arrangement;
 use self::points::{PointTracer, PointWork};
 use self::ray_tree::RayTree;
-use self::refine::Scratch;
+use self::refine::TaskMemory;
 use crate::answer::{offer_hits, tell_occluded};
 use crate::packet::{Nearest, Question};
 use crate::primitives::PrimitiveTable;
+use crate::scratch::Scratch;
 use crate::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
 
 /// Tests rays against the primitives that the cones around them touch.
@@ -79,7 +78,7 @@ pub struct HierarchyEngine {
     /// Nearest hits in the order of the arrangement.
     nearest: Vec<Nearest>,
     /// Lists and packets of tasks that are not running.
-    scratch: Mutex<Vec<Scratch>>,
+    scratch: Scratch<TaskMemory>,
 }
 
 impl HierarchyEngine {
@@ -166,13 +165,11 @@ impl RayEngine for HierarchyEngine {
     }
 
     fn memory_usage(&self) -> usize {
-        let scratch =
-            self.scratch.lock().map_or(0, |pool| pool.iter().map(Scratch::memory_usage).sum());
         self.table.memory_usage()
             + self.arrangement.memory_usage()
             + self.tree.memory_usage()
             + self.points.memory_usage()
             + self.nearest.capacity() * size_of::<Nearest>()
-            + scratch
+            + self.scratch.sum(TaskMemory::memory_usage)
     }
 }

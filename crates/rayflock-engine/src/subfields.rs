@@ -69,7 +69,7 @@ use self::trace_aligned::trace_aligned;
 use self::trace_walking::trace_walking;
 use crate::answer::{offer_hits, tell_occluded};
 use crate::answers::Answers;
-use crate::packet::{Nearest, Question};
+use crate::packet::Question;
 use crate::parts::{KeptChange, Parts, Place};
 use crate::primitives::PrimitiveTable;
 use crate::scratch::Scratch;
@@ -87,11 +87,6 @@ pub struct SubfieldsEngine {
     contents: Contents,
     store: SubfieldStore,
     sorter: DirectionSorter,
-    /// Whether the last batch shared a direction.
-    is_aligned: bool,
-    /// Nearest hits of a batch that shares a direction.
-    nearest: Vec<Nearest>,
-    /// Answers to other batches.
     answers: Answers,
     groups: Scratch<RayGroup>,
 }
@@ -111,7 +106,7 @@ impl SubfieldsEngine {
     ) -> TraceStats {
         let shared = rays.direction().uniform();
         let shared = shared.filter(|shared| shared.is_finite() && *shared != Vec3::ZERO);
-        self.is_aligned = shared.is_some();
+        self.answers.begin(rays.len(), question);
         match shared {
             Some(direction) => self.trace_aligned(rays, direction, question, t_bound),
             None => self.trace_walking(rays, question, t_bound),
@@ -126,19 +121,20 @@ impl SubfieldsEngine {
         question: Question,
         t_bound: &(impl Fn(usize) -> f32 + Sync),
     ) -> TraceStats {
-        self.nearest.resize(rays.len(), Nearest::NONE);
         let (simd, budget) = (self.config.simd, self.config.budget);
         let place = self.store.prepare(simd, &self.table, &self.contents, &[direction], budget)[0];
         let _span = debug_span!("trace_aligned").entered();
         let asked = Asked { table: &self.table, batch: rays, question };
         let (subfield, groups) = (self.store.get(place), &self.groups);
-        let tasks = self.nearest.par_chunks_mut(RAYS_PER_TASK).enumerate();
-        let counted = tasks.map(|(task_idx, nearest)| {
+        let answers = &self.answers;
+        let tasks = (0..rays.len().div_ceil(RAYS_PER_TASK)).into_par_iter();
+        let counted = tasks.map(|task_idx| {
             let mut group = groups.take();
             group.stats = TraceStats::default();
             let first_ray = task_idx * RAYS_PER_TASK;
+            let part = first_ray..(first_ray + RAYS_PER_TASK).min(rays.len());
             dispatch!(simd.level(), simd => {
-                trace_aligned(simd, &asked, subfield, &mut group, first_ray, nearest, t_bound);
+                trace_aligned(simd, &asked, subfield, &mut group, part, t_bound, answers);
             });
             let stats = group.stats;
             groups.give_back(group);
@@ -154,7 +150,6 @@ impl SubfieldsEngine {
         question: Question,
         t_bound: &(impl Fn(usize) -> f32 + Sync),
     ) -> TraceStats {
-        self.answers.begin(rays.len(), question);
         let prim_count = self.table.geometry().prim_count();
         self.sorter.choose(&self.config, rays.len(), prim_count);
         let mut stats = self.sorter.sort(rays, &self.answers);
@@ -225,22 +220,14 @@ impl RayEngine for SubfieldsEngine {
         assert!(hits.has_len(rays.len()), "every column must have one entry for each ray");
         let bounds: &[f32] = hits.t;
         let stats = self.trace(rays, Question::Closest, &|ray_idx| bounds[ray_idx]);
-        if self.is_aligned {
-            offer_hits(&self.table, |ray_idx| self.nearest[ray_idx], hits);
-        } else {
-            offer_hits(&self.table, |ray_idx| self.answers.nearest(ray_idx), hits);
-        }
+        offer_hits(&self.table, |ray_idx| self.answers.nearest(ray_idx), hits);
         stats
     }
 
     fn occluded(&mut self, rays: &RayBatch<'_>, occluded: &mut [bool]) -> TraceStats {
         assert_eq!(occluded.len(), rays.len(), "there must be one answer for each ray");
         let stats = self.trace(rays, Question::Occluded, &|_| f32::INFINITY);
-        if self.is_aligned {
-            tell_occluded(|ray_idx| !self.nearest[ray_idx].is_none(), occluded);
-        } else {
-            tell_occluded(|ray_idx| self.answers.is_occluded(ray_idx), occluded);
-        }
+        tell_occluded(|ray_idx| self.answers.is_occluded(ray_idx), occluded);
         stats
     }
 
@@ -250,7 +237,6 @@ impl RayEngine for SubfieldsEngine {
             + self.contents.memory_usage()
             + self.store.memory_usage()
             + self.sorter.memory_usage()
-            + self.nearest.capacity() * size_of::<Nearest>()
             + self.answers.memory_usage()
             + self.groups.sum(RayGroup::memory_usage)
     }

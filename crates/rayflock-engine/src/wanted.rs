@@ -41,9 +41,7 @@ impl Wanted {
             push_slots(&mut self.others, span.first_slot.users, span.count.users);
         }
     }
-}
 
-impl Wanted {
     /// Number of primitives.
     pub(crate) fn prim_count(&self) -> usize {
         let lanes = self.triangles.iter().chain(&self.others).map(|wanted| wanted.lanes);

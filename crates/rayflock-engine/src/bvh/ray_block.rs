@@ -106,12 +106,7 @@ impl RayBlock {
         t_bound: &impl Fn(usize) -> f32,
     ) -> u64 {
         let batch = asked.batch;
-        let mut lanes = RayLanes {
-            origin: batch.origin().lanes(first_ray),
-            direction: batch.direction().lanes(first_ray),
-            t_min: batch.t_min().lanes(first_ray),
-            t_max: batch.t_max().lanes(first_ray),
-        };
+        let mut lanes = RayLanes::load(batch, first_ray);
         let (active, invalid) = lanes.states(simd);
         for (lane, t_max) in lanes.t_max[..count].iter_mut().enumerate() {
             *t_max = t_max.min(t_bound(first_ray + lane));

@@ -39,8 +39,6 @@ mod sort_points;
 mod stream_triangles;
 mod trace_tile;
 
-use std::sync::Mutex;
-
 use rayflock_geom::simd::face::{Face, FaceKind};
 use rayflock_geom::simd::point_boxes::PointBox;
 use rayflock_geom::simd::{LANES, Simd, SimdBase, SimdLevel, SimdMask, dispatch, f32x16};
@@ -59,6 +57,7 @@ use crate::TraceStats;
 use crate::answers::Answers;
 use crate::packet::{Nearest, Question};
 use crate::primitives::PrimitiveTable;
+use crate::scratch::Scratch;
 
 /// Tiles wanted for each thread, so that all finish at about the same time.
 const TILES_PER_THREAD: usize = 8;
@@ -91,7 +90,7 @@ pub(super) struct PointTracer {
     chunks: Vec<Chunk>,
     answers: Answers,
     /// Tracers of tasks that are not running.
-    tracers: Mutex<Vec<TileTracer>>,
+    tracers: Scratch<TileTracer>,
 }
 
 /// One question about one batch.
@@ -314,33 +313,25 @@ impl PointTracer {
         let counted = tiles.map(|(tile_idx, ray_idx)| {
             let face_idx = tile_faces.get(tile_idx).copied().unwrap_or(0);
             let face = &self.tiles[face_idx as usize].face;
-            let mut tracer = self.take_tracer();
+            let mut tracer = self.tracers.take();
             let stats = dispatch!(work.simd.level(), simd => {
                 tracer.trace(simd, &tile_work, face, tile_idx, ray_idx, &self.answers)
             });
-            if let Ok(mut pool) = self.tracers.lock() {
-                pool.push(tracer);
-            }
+            self.tracers.give_back(tracer);
             stats
         });
         counted.reduce(TraceStats::default, |a, b| a + b)
     }
 
-    fn take_tracer(&self) -> TileTracer {
-        let pooled = self.tracers.lock().ok().and_then(|mut pool| pool.pop());
-        pooled.unwrap_or_default()
-    }
-
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
-        let tracers = self.tracers.lock();
         self.sorter.memory_usage()
             + self.faces.faces.capacity() * size_of::<Face>()
             + self.tiles.iter().map(FaceTiles::memory_usage).sum::<usize>()
             + self.boxes.capacity() * size_of::<PointBox>()
             + self.chunks.iter().map(Chunk::memory_usage).sum::<usize>()
             + self.answers.memory_usage()
-            + tracers.map_or(0, |pool| pool.iter().map(TileTracer::memory_usage).sum())
+            + self.tracers.sum(TileTracer::memory_usage)
     }
 }
 

@@ -5,7 +5,6 @@
 //! depth first, with one list a level.
 
 use std::ops::Range;
-use std::sync::Mutex;
 
 use rayflock_geom::simd::{LANES, Simd, SimdLevel, dispatch};
 use rayflock_geom::{Ray, RayBatch};
@@ -21,6 +20,7 @@ use super::trace_tile::TileTracer;
 use crate::TraceStats;
 use crate::packet::{Nearest, Question};
 use crate::primitives::PrimitiveTable;
+use crate::scratch::Scratch;
 
 /// Tasks wanted for each thread, so that all finish at about the same time.
 const TASKS_PER_THREAD: usize = 16;
@@ -46,12 +46,12 @@ pub(super) struct Pass<'a, F> {
     pub(super) t_bound: &'a F,
     pub(super) question: Question,
     /// Memory of tasks that are not running.
-    pub(super) scratch: &'a Mutex<Vec<Scratch>>,
+    pub(super) scratch: &'a Scratch<TaskMemory>,
 }
 
 /// What one task works with.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+pub(super) struct TaskMemory {
     /// Candidates of the node at work, one list a level.
     lists: Vec<Candidates>,
     /// Candidates of a single ray.
@@ -60,7 +60,7 @@ pub(super) struct Scratch {
     ray_tracer: RayTracer,
 }
 
-impl Scratch {
+impl TaskMemory {
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
         let lists: usize = self.lists.iter().map(Candidates::memory_usage).sum();
@@ -110,7 +110,7 @@ impl<F: Fn(usize) -> f32 + Sync> Pass<'_, F> {
     fn run_task(&self, level: usize, node_idx: usize, nearest: &mut [Nearest]) -> TraceStats {
         let _span = debug_span!("refine").entered();
         nearest.fill(Nearest::NONE);
-        let mut scratch = self.take_scratch();
+        let mut scratch = self.scratch.take();
         if scratch.lists.len() <= level {
             scratch.lists.resize_with(level + 1, Candidates::default);
         }
@@ -118,7 +118,7 @@ impl<F: Fn(usize) -> f32 + Sync> Pass<'_, F> {
         dispatch!(self.simd.level(), simd => {
             self.walk(simd, level, node_idx, &mut scratch, nearest, &mut stats);
         });
-        self.give_back(scratch);
+        self.scratch.give_back(scratch);
         stats
     }
 
@@ -129,7 +129,7 @@ impl<F: Fn(usize) -> f32 + Sync> Pass<'_, F> {
         simd: S,
         root_level: usize,
         root_idx: usize,
-        scratch: &mut Scratch,
+        scratch: &mut TaskMemory,
         nearest: &mut [Nearest],
         stats: &mut TraceStats,
     ) {
@@ -178,7 +178,7 @@ impl<F: Fn(usize) -> f32 + Sync> Pass<'_, F> {
         node: &RayNode,
         level: usize,
         parent_listed: bool,
-        scratch: &mut Scratch,
+        scratch: &mut TaskMemory,
         stats: &mut TraceStats,
     ) -> Option<bool> {
         if !node.is_active() {
@@ -208,7 +208,7 @@ impl<F: Fn(usize) -> f32 + Sync> Pass<'_, F> {
         &self,
         simd: S,
         tile_idx: usize,
-        scratch: &mut Scratch,
+        scratch: &mut TaskMemory,
         nearest: &mut [Nearest],
         stats: &mut TraceStats,
     ) {
@@ -225,11 +225,11 @@ impl<F: Fn(usize) -> f32 + Sync> Pass<'_, F> {
         simd: S,
         tile_idx: usize,
         listed: bool,
-        scratch: &mut Scratch,
+        scratch: &mut TaskMemory,
         nearest: &mut [Nearest],
         stats: &mut TraceStats,
     ) {
-        let Scratch { lists, ray_list: list, ray_tracer, .. } = scratch;
+        let TaskMemory { lists, ray_list: list, ray_tracer, .. } = scratch;
         for (&ray_idx, nearest) in self.arrangement.tile(tile_idx).iter().zip(nearest) {
             let Some(ray) = active_ray(self.rays, ray_idx) else { continue };
             let ray = Ray { t_max: ray.t_max.min((self.t_bound)(ray_idx as usize)), ..ray };
@@ -240,17 +240,6 @@ impl<F: Fn(usize) -> f32 + Sync> Pass<'_, F> {
                 keep_of_all(simd, self.table, &cone, reach, list, stats);
             }
             *nearest = ray_tracer.trace(simd, self.table, &ray, self.question, list, stats);
-        }
-    }
-
-    fn take_scratch(&self) -> Scratch {
-        let pooled = self.scratch.lock().ok().and_then(|mut pool| pool.pop());
-        pooled.unwrap_or_default()
-    }
-
-    fn give_back(&self, scratch: Scratch) {
-        if let Ok(mut pool) = self.scratch.lock() {
-            pool.push(scratch);
         }
     }
 }

@@ -65,7 +65,8 @@ impl Projection<'_> {
         let others = self.wanted.others.par_chunks(self.share_len(&self.wanted.others));
         let other_extents = others.map(|wanted| {
             let placed = self.others(wanted).filter_map(|(_, placed)| placed);
-            placed.map(|placed| Extent::of(&placed)).fold(Extent::NOTHING, Extent::unite)
+            let extents = placed.map(|placed| Extent::of(&placed)).filter(Extent::is_in_range);
+            extents.fold(Extent::NOTHING, Extent::unite)
         });
         let nothing = || Extent::NOTHING;
         extents.reduce(nothing, Extent::unite).unite(other_extents.reduce(nothing, Extent::unite))
@@ -121,6 +122,11 @@ impl Extent {
         let [x0, x1, y0, y1] = self.bounds;
         let [nearest, farthest] = self.nearness;
         [-x0, x1, -y0, y1, nearest, -farthest].into_iter().fold(f32::NEG_INFINITY, f32::max)
+    }
+
+    /// Whether all coordinates are small enough for a grid.
+    fn is_in_range(&self) -> bool {
+        self.reach() < FARTHEST
     }
 
     const NOTHING: Self = Self {
@@ -240,8 +246,7 @@ impl Share {
         for (slot, placed) in from.others(wanted) {
             let Some(placed) = placed else { continue };
             let [x0, x1, y0, y1] = placed.bounds();
-            let reach = Extent::of(&placed).reach();
-            if reach.is_nan() || reach >= FARTHEST {
+            if !Extent::of(&placed).is_in_range() {
                 self.everywhere.push(slot);
                 continue;
             }

@@ -12,7 +12,7 @@ pub struct Config {
     /// How directions are spread over the hemisphere.
     pub layout: DirectionLayout,
     /// How many directions there are for rays that do not share one; `None`, the default, follows
-    /// from the numbers of rays and primitives.
+    /// from the numbers of rays and primitives. More than 4096 are taken as 4096.
     pub direction_count: Option<usize>,
     /// Bytes that all grids together may take; those not used for longest are given up first. One
     /// direction is always kept.

@@ -16,7 +16,8 @@
 //! corner is, by the angle `r`; if the nearest to the middle is `d` away, the nearest to anything
 //! in the cell is no more than `d + 2 r` away from the middle.
 //!
-//! **Cost.** Some eight scalar products for each look-up.
+//! **Cost.** Some four scalar products for each look-up. Making a set takes time in proportion to
+//! the square of its size: 640 directions some tenths of a second.
 
 use std::f64::consts::PI;
 
@@ -78,7 +79,8 @@ impl DirectionSet {
     }
 
     /// The position of the direction that has the smallest angle with the line along `direction`;
-    /// the first of those where several have. `direction` is finite and not zero.
+    /// the first of those where several have. `direction` is not zero; numbers whose squares are out
+    /// of range may get a direction that is not the nearest.
     #[inline(always)]
     pub fn nearest(&self, direction: Vec3) -> usize {
         let cell_idx = self.cell_idx(direction);

@@ -152,9 +152,7 @@ impl BlockFiller {
         }
         block.first_leaves.push(leaf_count as u32);
     }
-}
 
-impl BlockFiller {
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
         (self.ends.capacity() + self.entries.capacity()) * size_of::<u32>()
@@ -232,7 +230,7 @@ fn row_of<'a>(shares: &[&'a [FaceRow]], entry: u32) -> &'a FaceRow {
 fn write_leaf(leaf: &mut TriangleLeaf, entries: &[u32], shares: &[&[FaceRow]]) -> [f32; 2] {
     let mut depths = [f32::NEG_INFINITY, f32::INFINITY];
     let columns = leaf.triangles.corners.as_flattened_mut();
-    for (lane, &entry) in entries.iter().enumerate().take(LANES) {
+    for (lane, &entry) in entries.iter().enumerate() {
         let row = row_of(shares, entry);
         for (column, &coordinate) in columns.iter_mut().zip(row.corners()) {
             column[lane] = coordinate;

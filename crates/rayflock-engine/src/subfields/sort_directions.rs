@@ -21,6 +21,9 @@ const RAYS_PER_TASK: usize = 4096;
 /// There are at most so many directions unless more are asked for.
 const MOST_DIRECTIONS: usize = 640;
 
+/// Whatever is asked for, there are no more: the time to make a set grows with their square.
+const MOST_DIRECTIONS_EVER: usize = 4096;
+
 /// Rays by direction; memory is kept.
 #[derive(Debug, Default)]
 pub(super) struct DirectionSorter {
@@ -57,7 +60,7 @@ impl DirectionSorter {
             let power = (wanted / 10.0).max(1.0).log(4.0).round();
             (10.0 * 4.0_f32.powf(power)).min(MOST_DIRECTIONS as f32) as usize
         });
-        let layout = config.layout;
+        let (layout, count) = (config.layout, count.min(MOST_DIRECTIONS_EVER));
         let is_same = |one: &&ChosenSet| (one.layout, one.count) == (layout, count);
         if self.chosen.as_ref().filter(is_same).is_none() {
             self.chosen = Some(ChosenSet { layout, count, set: DirectionSet::new(layout, count) });

@@ -52,8 +52,8 @@ pub(super) struct SubfieldStore {
 }
 
 impl SubfieldStore {
-    /// Brings the subfields of some directions, all different, up to date; returns their positions, which hold until
-    /// the next call.
+    /// Brings the subfields of some directions, all different, up to date; returns their positions,
+    /// which hold until the next call.
     pub(super) fn prepare(
         &mut self,
         level: SimdLevel,
@@ -95,12 +95,10 @@ impl SubfieldStore {
     /// The position of a direction's subfield, which is made if there is none.
     fn find(&mut self, direction: Vec3, table: &PrimitiveTable) -> usize {
         let found = self.subfields.iter().position(|one| one.direction == direction);
-        let place = found.unwrap_or_else(|| {
-            self.subfields.push(Subfield::new(direction, table.some_point()));
+        found.unwrap_or_else(|| {
+            self.subfields.push(Subfield::new(direction, table.some_point(), self.clock));
             self.subfields.len() - 1
-        });
-        self.subfields[place].used = self.clock;
-        place
+        })
     }
 
     /// Gives up what was not used for longest, until what is still to come, of so many bytes each,

@@ -25,13 +25,13 @@ pub(super) struct Subfield {
 impl Subfield {
     /// Empty grids across a direction, which is finite and not zero. Numbers are the more exact the
     /// nearer things are to the center.
-    pub(super) fn new(direction: Vec3, center: Vec3) -> Self {
+    pub(super) fn new(direction: Vec3, center: Vec3, used: u64) -> Self {
         let normal = direction.as_dvec3().normalize();
         let first = normal.any_orthonormal_vector();
         let rows = [first, normal.cross(first), normal].map(DVec3::as_vec3);
         let face = Face { kind: FaceKind::Parallel { reach: 0.0 }, center, rows };
         let (kept, moving) = (TileGrid::default(), TileGrid::default());
-        Self { direction, face, kept, moving, used: 0 }
+        Self { direction, face, kept, moving, used }
     }
 
     /// Whether both grids hold what they should.

@@ -3,6 +3,8 @@
 //! Sixteen rays are projected together; each then meets the leaves of the one tile that its point
 //! lies in. Where the point is that close to a border that it may be beyond, the ray walks.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use rayflock_geom::simd::aligned_rays::RayLanes;
 use rayflock_geom::simd::face::RayPoints;
@@ -15,6 +17,7 @@ use super::ray_group::{Asked, RayGroup};
 use super::subfield::Subfield;
 use super::tile_grid::{Cell, TileGrid};
 use super::walk_tiles::{RayLine, walk_grid};
+use crate::answers::Answers;
 use crate::packet::Nearest;
 
 /// Sixteen rays on the face of a subfield.
@@ -30,23 +33,22 @@ struct Places {
     begin: Lanes,
 }
 
-/// Finds the nearest hits of the rays from `first_ray` on, one for each entry of `nearest`.
+/// Answers consecutive rays, given their positions in the batch.
 #[inline(always)]
 pub(super) fn trace_aligned<S: Simd>(
     simd: S,
     asked: &Asked<'_>,
     subfield: &Subfield,
     group: &mut RayGroup,
-    first_ray: usize,
-    nearest: &mut [Nearest],
+    rays: Range<usize>,
     t_bound: &impl Fn(usize) -> f32,
+    answers: &Answers,
 ) {
-    group.stats.rays += nearest.len() as u64;
-    let sheared = ShearedRay::new(&asked.batch.ray(first_ray));
-    for (group_idx, nearest) in nearest.chunks_mut(LANES).enumerate() {
-        let first_ray = first_ray + group_idx * LANES;
-        let places =
-            load(simd, asked, subfield, group, first_ray, nearest.len(), &sheared, t_bound);
+    group.stats.rays += rays.len() as u64;
+    let sheared = ShearedRay::new(&asked.batch.ray(rays.start));
+    for first_ray in rays.clone().step_by(LANES) {
+        let count = (rays.end - first_ray).min(LANES);
+        let places = load(simd, asked, subfield, group, first_ray, count, &sheared, t_bound);
         let mut active = group.active;
         while active != 0 {
             let lane = active.trailing_zeros() as usize;
@@ -58,8 +60,8 @@ pub(super) fn trace_aligned<S: Simd>(
             }
         }
         group.meet_others(simd, asked, subfield.everywhere());
-        for (nearest, ray) in nearest.iter_mut().zip(&group.rays) {
-            *nearest = ray.nearest;
+        for (ray_idx, ray) in group.ray_idx.iter().zip(&group.rays).take(count) {
+            answers.set(*ray_idx, &ray.nearest);
         }
     }
 }
@@ -78,12 +80,7 @@ fn load<S: Simd>(
     t_bound: &impl Fn(usize) -> f32,
 ) -> Places {
     let batch = asked.batch;
-    let mut lanes = RayLanes {
-        origin: batch.origin().lanes(first_ray),
-        direction: batch.direction().lanes(first_ray),
-        t_min: batch.t_min().lanes(first_ray),
-        t_max: batch.t_max().lanes(first_ray),
-    };
+    let mut lanes = RayLanes::load(batch, first_ray);
     let masks = batch.mask().lanes(first_ray);
     let (active, invalid) = lanes.states(simd);
     let there = (1 << count) - 1;
@@ -91,10 +88,8 @@ fn load<S: Simd>(
     group.active = active & there;
     group.stats.invalid_rays += u64::from((invalid & there).count_ones());
     let [kx, ky, kz] = sheared.axes;
-    for (lane, (ray_idx, ray)) in group.ray_idx.iter_mut().zip(&mut group.rays).enumerate() {
-        if lane >= count {
-            break;
-        }
+    let places = group.ray_idx.iter_mut().zip(&mut group.rays).take(count);
+    for (lane, (ray_idx, ray)) in places.enumerate() {
         *ray_idx = first_ray + lane;
         lanes.t_max[lane] = lanes.t_max[lane].min(t_bound(*ray_idx));
         let origin = [lanes.origin[kx][lane], lanes.origin[ky][lane], lanes.origin[kz][lane]];

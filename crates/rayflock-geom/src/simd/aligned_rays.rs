@@ -15,6 +15,7 @@ use super::ray_boxes::{
     BoxBounds, BoxRay, COARSEST_T, LARGEST_DISTANCE, SMALLEST_SIZE, THINNEST, UNDERFLOW,
 };
 use super::{LANES, Lanes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
+use crate::RayBatch;
 
 /// Faces of a cube: two for each axis kz, directions along it first.
 pub const FACES: usize = 6;
@@ -48,6 +49,17 @@ pub struct RayLanes {
 }
 
 impl RayLanes {
+    /// Sixteen rays of a batch from `first_ray` on; the last one again where there are no more.
+    #[inline(always)]
+    pub fn load(batch: &RayBatch<'_>, first_ray: usize) -> Self {
+        Self {
+            origin: batch.origin().lanes(first_ray),
+            direction: batch.direction().lanes(first_ray),
+            t_min: batch.t_min().lanes(first_ray),
+            t_max: batch.t_max().lanes(first_ray),
+        }
+    }
+
     /// Which rays are active and which invalid, one bit a lane, as [`Ray::state`](crate::Ray::state)
     /// tells.
     #[inline(always)]
