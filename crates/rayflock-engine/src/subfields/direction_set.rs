@@ -39,7 +39,7 @@ const CELLS_PER_DIRECTION: usize = 8;
 /// More than what rounding adds to an angle, in radians.
 const ANGLE_SLACK: f64 = 1e-6;
 
-/// Directions over a hemisphere. See the [module](self).
+/// Directions spread over a hemisphere; a ray and its reverse share one.
 #[derive(Clone, Debug)]
 pub struct DirectionSet {
     directions: Vec<Vec3>,
