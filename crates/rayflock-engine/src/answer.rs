@@ -19,7 +19,7 @@ use rayflock_geom::{Hit, Hits};
 use rayon::prelude::*;
 use tracing::debug_span;
 
-use crate::packet::Nearest;
+use crate::packet::{Nearest, Question};
 use crate::primitives::{PrimitiveTable, RankedObject};
 
 /// Rays that one task hands over at most.
@@ -43,6 +43,67 @@ pub(crate) fn tell_occluded(is_occluded: impl Fn(usize) -> bool + Sync, occluded
             *occluded = is_occluded(task_idx * RAYS_PER_TASK + idx);
         }
     });
+}
+
+/// The caller's columns: what is asked, and where the answers go.
+#[derive(Debug)]
+pub(crate) enum AnswerColumns<'a> {
+    Hits(Hits<'a>),
+    Occluded(&'a mut [bool]),
+}
+
+impl<'a> AnswerColumns<'a> {
+    pub(crate) const fn len(&self) -> usize {
+        match self {
+            Self::Hits(hits) => hits.len(),
+            Self::Occluded(occluded) => occluded.len(),
+        }
+    }
+
+    pub(crate) const fn question(&self) -> Question {
+        match self {
+            Self::Hits(_) => Question::Closest,
+            Self::Occluded(_) => Question::Occluded,
+        }
+    }
+
+    /// Beyond which `t` hits are of no interest, for each ray, if that is known.
+    pub(crate) const fn t_bounds(&self) -> Option<&[f32]> {
+        match self {
+            Self::Hits(hits) => Some(hits.t),
+            Self::Occluded(_) => None,
+        }
+    }
+
+    /// The answers of the first rays, and those of the others.
+    pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
+        match self {
+            Self::Hits(hits) => {
+                let (left, right) = hits.split_at(middle);
+                (Self::Hits(left), Self::Hits(right))
+            }
+            Self::Occluded(occluded) => {
+                let (left, right) = occluded.split_at_mut(middle);
+                (Self::Occluded(left), Self::Occluded(right))
+            }
+        }
+    }
+
+    /// Takes what was found, ray by ray.
+    #[inline(always)]
+    pub(crate) fn take<S: Simd>(self, simd: S, table: &'a PrimitiveTable, found: &[Nearest]) {
+        match self {
+            Self::Hits(hits) => {
+                let mut receiver = Receiver { table, object: RankedObject::NONE, hits };
+                receiver.take(simd, &|idx| found[idx], 0);
+            }
+            Self::Occluded(occluded) => {
+                for (occluded, found) in occluded.iter_mut().zip(found) {
+                    *occluded = !found.is_none();
+                }
+            }
+        }
+    }
 }
 
 /// Offers the hits of the rays from `first_ray` on.

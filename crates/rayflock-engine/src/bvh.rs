@@ -50,15 +50,13 @@ mod walk_tree;
 use rayflock_geom::simd::ray_boxes::BoxBounds;
 use rayflock_geom::simd::{LANES, dispatch};
 use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch, RayOrder};
-use rayon::prelude::*;
 
 pub use config::Config;
 
 use self::build_tree::TreeBuilder;
 use self::trace_block::{BlockQuestion, BlockTracer};
 use self::tree::Tree;
-use crate::answer::{offer_hits, tell_occluded};
-use crate::packet::{Nearest, Question};
+use crate::answer::AnswerColumns;
 use crate::parts::{KeptChange, Parts, Place};
 use crate::primitives::PrimitiveTable;
 use crate::scratch::Scratch;
@@ -80,7 +78,6 @@ pub struct BvhEngine {
     fresh: Tree,
     /// Whether the fresh tree holds the objects of this frame; built when a first batch comes.
     fresh_is_built: bool,
-    nearest: Vec<Nearest>,
     /// Memory of tasks that are not running.
     scratch: Scratch<BlockTracer>,
 }
@@ -128,45 +125,49 @@ impl BvhEngine {
         GROUP_TRIANGLES * side / ((leaf_count * LANES) as f32).sqrt()
     }
 
-    /// Fills `nearest` for the whole batch; `t_bound` tells beyond which hits are of no interest.
-    fn trace(
-        &mut self,
-        rays: &RayBatch<'_>,
-        question: Question,
-        t_bound: &(impl Fn(usize) -> f32 + Sync),
-    ) -> TraceStats {
+    /// Answers a batch, block by block.
+    fn trace(&mut self, rays: &RayBatch<'_>, answers: AnswerColumns<'_>) -> TraceStats {
         if rays.is_empty() {
             return TraceStats::default();
         }
         self.build_fresh();
-        // Tasks write what they begin with.
-        self.nearest.resize(rays.len(), Nearest::NONE);
         let asked = BlockQuestion {
             table: &self.table,
             batch: rays,
             trees: [&self.fresh, &self.kept],
             bounds: self.bounds(),
             group_width: self.group_width(rays.order()),
-            question,
+            question: answers.question(),
         };
         let prim_count = self.fresh.triangle_leaves.len() * LANES;
         let block_len = block_len(rays.len(), prim_count, asked.group_width > 0.0);
-        let (level, scratch) = (self.config.simd.level(), &self.scratch);
-        let blocks = self.nearest.par_chunks_mut(block_len).enumerate();
-        let counted = blocks.map(|(block_idx, nearest)| {
-            let mut tracer = scratch.take();
-            let first_ray = block_idx * block_len;
-            let stats = dispatch!(level, simd => {
-                nearest.fill(Nearest::NONE);
-                let block = first_ray..first_ray + nearest.len();
-                let mut stats = tracer.rays.fill(simd, &asked, block, t_bound);
-                tracer.trace(simd, &asked, nearest, &mut stats);
-                stats
-            });
-            scratch.give_back(tracer);
-            stats
+        self.trace_part(&asked, block_len, 0, answers)
+    }
+
+    /// Answers the rays from `first_ray` on, in parallel.
+    fn trace_part(
+        &self,
+        asked: &BlockQuestion<'_>,
+        block_len: usize,
+        first_ray: usize,
+        answers: AnswerColumns<'_>,
+    ) -> TraceStats {
+        if answers.len() > block_len {
+            // Parts of whole vectors.
+            let middle = (answers.len() / 2).next_multiple_of(LANES);
+            let (left, right) = answers.split_at(middle);
+            let (left, right) = rayon::join(
+                || self.trace_part(asked, block_len, first_ray, left),
+                || self.trace_part(asked, block_len, first_ray + middle, right),
+            );
+            return left + right;
+        }
+        let mut tracer = self.scratch.take();
+        let stats = dispatch!(self.config.simd.level(), simd => {
+            tracer.answer(simd, asked, first_ray, answers)
         });
-        counted.reduce(TraceStats::default, |a, b| a + b)
+        self.scratch.give_back(tracer);
+        stats
     }
 }
 
@@ -201,17 +202,12 @@ impl RayEngine for BvhEngine {
 
     fn closest_hit(&mut self, rays: &RayBatch<'_>, hits: &mut Hits<'_>) -> TraceStats {
         assert!(hits.has_len(rays.len()), "every column must have one entry for each ray");
-        let bounds: &[f32] = hits.t;
-        let stats = self.trace(rays, Question::Closest, &|ray_idx| bounds[ray_idx]);
-        offer_hits(&self.table, |ray_idx| self.nearest[ray_idx], hits);
-        stats
+        self.trace(rays, AnswerColumns::Hits(hits.reborrow()))
     }
 
     fn occluded(&mut self, rays: &RayBatch<'_>, occluded: &mut [bool]) -> TraceStats {
         assert_eq!(occluded.len(), rays.len(), "there must be one answer for each ray");
-        let stats = self.trace(rays, Question::Occluded, &|_| f32::INFINITY);
-        tell_occluded(|ray_idx| !self.nearest[ray_idx].is_none(), occluded);
-        stats
+        self.trace(rays, AnswerColumns::Occluded(occluded))
     }
 
     fn memory_usage(&self) -> usize {
@@ -220,7 +216,6 @@ impl RayEngine for BvhEngine {
             + self.builder.memory_usage()
             + self.kept.memory_usage()
             + self.fresh.memory_usage()
-            + self.nearest.capacity() * size_of::<Nearest>()
             + self.scratch.sum(BlockTracer::memory_usage)
     }
 }

@@ -87,21 +87,23 @@ impl HierarchyEngine {
         Self { config, table: PrimitiveTable::new(config.simd), ..Self::default() }
     }
 
-    /// Fills `nearest` for the whole batch; `t_bound` tells beyond which hits are of no interest.
+    /// Fills `nearest` for the whole batch; `t_bounds`, if any, tell for each ray beyond which hits
+    /// are of no interest.
     fn trace(
         &mut self,
         rays: &RayBatch<'_>,
         question: Question,
-        t_bound: &(impl Fn(usize) -> f32 + Sync),
+        t_bounds: Option<&[f32]>,
     ) -> TraceStats {
         let _span = tracing::debug_span!("trace_points").entered();
         let work =
-            PointWork { simd: self.config.simd, table: &self.table, rays, question, t_bound };
+            PointWork { simd: self.config.simd, table: &self.table, rays, question, t_bounds };
         let traced = self.points.trace(&work, &mut self.arrangement);
         self.on_faces = traced.is_some();
         if let Some(stats) = traced {
             return stats;
         }
+        let t_bound = &|ray_idx: usize| t_bounds.map_or(f32::INFINITY, |bounds| bounds[ray_idx]);
         self.table.write_bounds();
         self.arrangement.assign(rays);
         let mut stats = self.tree.build(rays, &self.arrangement, t_bound);
@@ -143,8 +145,7 @@ impl RayEngine for HierarchyEngine {
 
     fn closest_hit(&mut self, rays: &RayBatch<'_>, hits: &mut Hits<'_>) -> TraceStats {
         assert!(hits.has_len(rays.len()), "every column must have one entry for each ray");
-        let bounds: &[f32] = hits.t;
-        let stats = self.trace(rays, Question::Closest, &|ray_idx| bounds[ray_idx]);
+        let stats = self.trace(rays, Question::Closest, Some(hits.t));
         if self.on_faces {
             offer_hits(&self.table, |ray_idx| self.points.nearest(ray_idx), hits);
         } else {
@@ -155,7 +156,7 @@ impl RayEngine for HierarchyEngine {
 
     fn occluded(&mut self, rays: &RayBatch<'_>, occluded: &mut [bool]) -> TraceStats {
         assert_eq!(occluded.len(), rays.len(), "there must be one answer for each ray");
-        let stats = self.trace(rays, Question::Occluded, &|_| f32::INFINITY);
+        let stats = self.trace(rays, Question::Occluded, None);
         if self.on_faces {
             tell_occluded(|ray_idx| self.points.is_occluded(ray_idx), occluded);
         } else {

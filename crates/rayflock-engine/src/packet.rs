@@ -9,7 +9,7 @@ use glam::Vec3;
 use rayflock_geom::simd::ray_sphere::{SphereRays, intersect_sphere};
 use rayflock_geom::simd::ray_triangle::{LaneHits, RayPacket, ShearedRay, intersect_packet};
 use rayflock_geom::simd::{
-    LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16,
+    Bytes, LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16,
 };
 use rayflock_geom::{Ray, RayTransform, UserHit};
 
@@ -54,6 +54,30 @@ impl Nearest {
             let (t, u, v) = (hits.t[lane], hits.u[lane], hits.v[lane]);
             self.offer(Self { t, u, v, rank: ranks[lane] });
         }
+    }
+}
+
+/// Writes the lanes in `hit`, given as columns, to sixteen rows.
+#[inline(always)]
+pub(crate) fn write_rows<S: Simd>(
+    simd: S,
+    hit: u64,
+    [t, u, v]: [f32x16<S>; 3],
+    ranks: u32x16<S>,
+    rows: &mut [Nearest; LANES],
+) {
+    let ranks: f32x16<S> = ranks.bitcast();
+    let ((t_v, t_v_high), (u_rank, u_rank_high)) = (t.interleave(v), u.interleave(ranks));
+    let ((first, second), (third, fourth)) =
+        (t_v.interleave(u_rank), t_v_high.interleave(u_rank_high));
+    let words: &mut [f32] = bytemuck::cast_slice_mut(rows);
+    for (idx, rows) in [first, second, third, fourth].into_iter().enumerate() {
+        // A bit for each of four rows becomes four bits.
+        let bits = hit >> (4 * idx) & 0xf;
+        let bits = (bits | bits << 3 | bits << 6 | bits << 9) & 0x1111;
+        let written = mask32x16::from_bitmask(simd, 0xf * bits);
+        let words = &mut words[idx * LANES..(idx + 1) * LANES];
+        written.select(rows, f32x16::from_slice(simd, words)).store_slice(words);
     }
 }
 

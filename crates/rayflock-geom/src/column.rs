@@ -3,7 +3,7 @@
 use bytemuck::Pod;
 use glam::Vec3;
 
-use crate::simd::LANES;
+use crate::simd::{LANES, Simd, point_columns};
 
 /// A value that a [`Column`] can hold, stored as consecutive scalars.
 pub trait ColumnElement: Copy {
@@ -195,6 +195,21 @@ fn load_lanes<T: ColumnElement>(values: &[T::Scalar], stride: usize) -> T::Lanes
         T::load(&values[start..start + T::WIDTH]).set_lane(&mut lanes, lane);
     }
     lanes
+}
+
+impl Column<'_, Vec3> {
+    /// The points of sixteen rays from `first_ray` on, by axis; the last one again where there are
+    /// no more.
+    #[inline(always)]
+    pub fn point_lanes<S: Simd>(&self, simd: S, first_ray: usize) -> [[f32; LANES]; 3] {
+        if let Self::PerRay { values, stride } = self {
+            let columns = point_columns(simd, &values[first_ray * stride..], *stride);
+            if let Some([x, y, z]) = columns {
+                return [*x, *y, *z];
+            }
+        }
+        self.lanes(first_ray)
+    }
 }
 
 impl<T: ColumnElement> From<T> for Column<'_, T> {

@@ -14,12 +14,15 @@ pub mod aligned_rays;
 mod axes;
 pub mod cone_sphere;
 pub mod face;
+pub mod face_boxes;
 mod face_rare;
 pub mod face_rows;
 #[cfg(test)]
 mod face_tests;
 pub mod face_triangle;
+mod least_of_each;
 pub mod point_boxes;
+mod point_columns;
 pub mod ray_beams;
 pub mod ray_boxes;
 pub mod ray_sphere;
@@ -32,8 +35,11 @@ pub mod triangle_rows;
 
 use std::fmt;
 
+use fearless_simd::f32x4;
 pub use fearless_simd::prelude::*;
 pub use fearless_simd::{Simd, dispatch, f32x16, mask32x16, u32x16};
+
+pub(crate) use self::point_columns::point_columns;
 
 /// Lanes of every vector.
 pub const LANES: usize = 16;

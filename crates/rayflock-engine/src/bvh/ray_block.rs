@@ -67,30 +67,34 @@ pub(super) struct RayBlock {
     pub(super) rays: Vec<StreamRay>,
     /// The active single rays by the face of their direction, as positions in the block.
     pub(super) faces: [Vec<u32>; FACES],
-    /// Rays that travel together; `rays` has nothing of them.
+    /// Rays that travel together; `rays` has nothing of them. Those from `group_count` on are of
+    /// an earlier block.
     pub(super) groups: Vec<RayGroup>,
+    pub(super) group_count: usize,
     /// The groups by the face of their directions.
     pub(super) group_faces: [Vec<u32>; FACES],
 }
 
 impl RayBlock {
-    /// Takes in some rays of the batch; `t_bound` tells beyond which hits are of no interest.
+    /// Takes in some rays of the batch; `t_bounds`, if any, tell for each beyond
+    /// which hits are of no interest.
     #[inline(always)]
     pub(super) fn fill<S: Simd>(
         &mut self,
         simd: S,
         asked: &BlockQuestion<'_>,
         rays: Range<usize>,
-        t_bound: &impl Fn(usize) -> f32,
+        t_bounds: Option<&[f32]>,
     ) -> TraceStats {
         let mut stats = TraceStats { rays: rays.len() as u64, ..TraceStats::default() };
         self.first_ray = rays.start;
-        self.groups.clear();
+        self.group_count = 0;
         self.faces.iter_mut().chain(&mut self.group_faces).for_each(Vec::clear);
         self.rays.resize(rays.len(), StreamRay::EMPTY);
         for first_ray in rays.clone().step_by(LANES) {
             let count = (rays.end - first_ray).min(LANES);
-            stats.invalid_rays += self.fill_lanes(simd, asked, first_ray, count, t_bound);
+            let t_bounds = t_bounds.map(|bounds| &bounds[first_ray - rays.start..]);
+            stats.invalid_rays += self.fill_lanes(simd, asked, first_ray, count, t_bounds);
         }
         stats
     }
@@ -103,13 +107,13 @@ impl RayBlock {
         asked: &BlockQuestion<'_>,
         first_ray: usize,
         count: usize,
-        t_bound: &impl Fn(usize) -> f32,
+        t_bounds: Option<&[f32]>,
     ) -> u64 {
         let batch = asked.batch;
-        let mut lanes = RayLanes::load(batch, first_ray);
+        let mut lanes = RayLanes::load(simd, batch, first_ray);
         let (active, invalid) = lanes.states(simd);
-        for (lane, t_max) in lanes.t_max[..count].iter_mut().enumerate() {
-            *t_max = t_max.min(t_bound(first_ray + lane));
+        for (t_max, &t_bound) in lanes.t_max.iter_mut().zip(t_bounds.into_iter().flatten()) {
+            *t_max = t_max.min(t_bound);
         }
         let masks = batch.mask().lanes(first_ray);
         let prepared = AlignedRays::prepare(simd, &lanes, &asked.bounds, asked.table.slack());
@@ -163,11 +167,13 @@ impl RayBlock {
                 continue;
             };
             let face = prepared.face(alike.trailing_zeros() as usize);
-            self.group_faces[face].push(self.groups.len() as u32);
-            self.groups.push(RayGroup::EMPTY);
-            if let Some(group) = self.groups.last_mut() {
-                group.fill(simd, beam, first as u32, alike, lanes, masks);
+            self.group_faces[face].push(self.group_count as u32);
+            if self.groups.len() == self.group_count {
+                self.groups.push(RayGroup::EMPTY);
             }
+            let group = &mut self.groups[self.group_count];
+            group.fill(beam, face, [first as u32, alike as u32], (lanes, prepared), masks);
+            self.group_count += 1;
         }
         single
     }

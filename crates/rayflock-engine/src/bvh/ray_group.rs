@@ -1,6 +1,6 @@
 //! Sixteen neighbouring rays that go similar ways, and what they hit so far.
 
-use rayflock_geom::simd::aligned_rays::RayLanes;
+use rayflock_geom::simd::aligned_rays::{AlignedRays, RayLanes};
 use rayflock_geom::simd::ray_beams::RayBeam;
 use rayflock_geom::simd::ray_triangle::{RayPacket, intersect_packet};
 use rayflock_geom::simd::{
@@ -9,7 +9,7 @@ use rayflock_geom::simd::{
 
 use glam::Vec3;
 
-use crate::packet::{Nearest, Question};
+use crate::packet::{Nearest, Question, write_rows};
 
 /// Sixteen consecutive rays of a block that travel together.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +28,9 @@ pub(super) struct RayGroup {
     v: Lanes,
     ranks: [u32; LANES],
 }
+
+/// From how many hits on it pays to write sixteen at once.
+const MANY: u32 = 3;
 
 /// A triangle of a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -51,21 +54,22 @@ impl RayGroup {
         ranks: [u32::MAX; LANES],
     };
 
-    /// Takes in the `active` rays, which are in `beam`; `first` is where the block has the first
-    /// of all lanes.
+    /// Takes in the `active` rays, which are in `beam` and go through one `face`; `first` is where
+    /// the block has the first of all lanes.
     #[inline(always)]
-    pub(super) fn fill<S: Simd>(
+    pub(super) fn fill(
         &mut self,
-        simd: S,
         beam: RayBeam,
-        first: u32,
-        active: u64,
-        rays: &RayLanes,
+        face: usize,
+        [first, active]: [u32; 2],
+        (rays, prepared): (&RayLanes, &AlignedRays),
         masks: [u32; LANES],
     ) {
-        (self.beam, self.first, self.active, self.masks) = (beam, first, active, masks);
-        self.rays.fill_lanes(simd, rays);
-        self.rays.share_axis(active);
+        (self.beam, self.masks) = (beam, masks);
+        (self.first, self.active) = (first, active.into());
+        self.rays.fill_aligned(rays, prepared, face);
+        self.t = [f32::INFINITY; LANES];
+        self.ranks = [u32::MAX; LANES];
     }
 
     /// Tests a triangle; what is found shortens rays and beam.
@@ -144,6 +148,14 @@ impl RayGroup {
     pub(super) fn write_hits<S: Simd>(&self, simd: S, nearest: &mut [Nearest]) {
         let ranks = u32x16::from_slice(simd, &self.ranks);
         let mut hit = (!ranks.simd_eq(u32x16::splat(simd, u32::MAX))).to_bitmask();
+        if hit.count_ones() > MANY
+            && let Some(nearest) = nearest.first_chunk_mut()
+        {
+            let load = f32x16::from_slice;
+            let found = [load(simd, &self.t), load(simd, &self.u), load(simd, &self.v)];
+            write_rows(simd, hit, found, ranks, nearest);
+            return;
+        }
         while hit != 0 {
             let lane = hit.trailing_zeros() as usize;
             hit &= hit - 1;

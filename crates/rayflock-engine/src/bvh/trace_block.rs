@@ -12,6 +12,7 @@ use super::trace_rays::SingleRays;
 use super::tree::Tree;
 use super::walk_tree::TreeWalk;
 use crate::TraceStats;
+use crate::answer::AnswerColumns;
 use crate::packet::{Nearest, Question, TracePacket};
 use crate::primitives::PrimitiveTable;
 
@@ -31,7 +32,9 @@ pub(super) struct BlockQuestion<'a> {
 /// What a task works with.
 #[derive(Debug)]
 pub(super) struct BlockTracer {
-    pub(super) rays: RayBlock,
+    rays: RayBlock,
+    /// What the rays hit so far.
+    nearest: Vec<Nearest>,
     walk: TreeWalk,
     /// Holds rays for primitives that are not triangles.
     packet: TracePacket,
@@ -39,23 +42,40 @@ pub(super) struct BlockTracer {
 
 impl Default for BlockTracer {
     fn default() -> Self {
-        Self { rays: RayBlock::default(), walk: TreeWalk::default(), packet: TracePacket::EMPTY }
+        Self {
+            rays: RayBlock::default(),
+            nearest: Vec::new(),
+            walk: TreeWalk::default(),
+            packet: TracePacket::EMPTY,
+        }
     }
 }
 
 impl BlockTracer {
-    /// Finds the nearest hits of the block's rays, one for each entry of `nearest`.
+    /// Answers the rays of the batch from `first_ray` on.
     #[inline(always)]
-    pub(super) fn trace<S: Simd>(
+    pub(super) fn answer<S: Simd>(
         &mut self,
         simd: S,
         asked: &BlockQuestion<'_>,
-        nearest: &mut [Nearest],
-        stats: &mut TraceStats,
-    ) {
-        let Self { rays: RayBlock { first_ray, rays, faces, groups, group_faces }, walk, packet } =
-            self;
-        let first_ray = *first_ray;
+        first_ray: usize,
+        answers: AnswerColumns<'_>,
+    ) -> TraceStats {
+        let rays = first_ray..first_ray + answers.len();
+        let mut stats = self.rays.fill(simd, asked, rays, answers.t_bounds());
+        self.nearest.clear();
+        self.nearest.resize(answers.len(), Nearest::NONE);
+        self.trace(simd, asked, &mut stats);
+        answers.take(simd, asked.table, &self.nearest);
+        stats
+    }
+
+    /// Finds the nearest hits of the block's rays.
+    #[inline(always)]
+    fn trace<S: Simd>(&mut self, simd: S, asked: &BlockQuestion<'_>, stats: &mut TraceStats) {
+        let Self { rays: block, nearest, walk, packet } = self;
+        let RayBlock { first_ray, rays, faces, groups, group_count, group_faces } = block;
+        let (first_ray, groups) = (*first_ray, &mut groups[..*group_count]);
         for face in 0..FACES {
             let mut travellers = RayGroups { asked, first_ray, groups, packet };
             for tree in asked.trees {
@@ -73,6 +93,8 @@ impl BlockTracer {
 
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
-        self.rays.memory_usage() + self.walk.memory_usage()
+        self.rays.memory_usage()
+            + self.nearest.capacity() * size_of::<Nearest>()
+            + self.walk.memory_usage()
     }
 }

@@ -94,12 +94,13 @@ pub(super) struct PointTracer {
 }
 
 /// One question about one batch.
-pub(super) struct PointWork<'a, F> {
+pub(super) struct PointWork<'a> {
     pub(super) simd: SimdLevel,
     pub(super) table: &'a PrimitiveTable,
     pub(super) rays: &'a RayBatch<'a>,
     pub(super) question: Question,
-    pub(super) t_bound: &'a F,
+    /// Beyond which `t` hits are of no interest, for each ray, if that is known.
+    pub(super) t_bounds: Option<&'a [f32]>,
 }
 
 /// What is known of a tile, or of several.
@@ -117,9 +118,9 @@ struct TileBound {
 
 impl PointTracer {
     /// Answers a batch; `None` if it is not of the kind that lies on faces.
-    pub(super) fn trace<F: Fn(usize) -> f32 + Sync>(
+    pub(super) fn trace(
         &mut self,
-        work: &PointWork<'_, F>,
+        work: &PointWork<'_>,
         arrangement: &mut Arrangement,
     ) -> Option<TraceStats> {
         let rays = work.rays;
@@ -155,9 +156,9 @@ impl PointTracer {
     }
 
     /// Brings rays into tiles and bounds these. Returns the number of rays that are not valid.
-    fn arrange<F: Fn(usize) -> f32 + Sync>(
+    fn arrange(
         &mut self,
-        work: &PointWork<'_, F>,
+        work: &PointWork<'_>,
         arrangement: &mut Arrangement,
         tile_len: usize,
     ) -> Option<u64> {
@@ -190,11 +191,7 @@ impl PointTracer {
     }
 
     /// Whether, going by a sample, sixteen neighbours of the order are close on the only face.
-    fn is_tight<F: Fn(usize) -> f32 + Sync>(
-        &self,
-        work: &PointWork<'_, F>,
-        ray_idx: &[u32],
-    ) -> bool {
+    fn is_tight(&self, work: &PointWork<'_>, ray_idx: &[u32]) -> bool {
         let face = &self.faces.faces[0];
         let step = ray_idx.len().div_ceil(LANES * GROUP_SAMPLE).max(1);
         let mut all = TileBound::NONE;
@@ -207,9 +204,9 @@ impl PointTracer {
     }
 
     /// Bounds tiles and groups of tiles; without `tile_faces` all tiles are on the only face.
-    fn bound_tiles<F: Fn(usize) -> f32 + Sync>(
+    fn bound_tiles(
         &mut self,
-        work: &PointWork<'_, F>,
+        work: &PointWork<'_>,
         tile_len: usize,
         ray_idx: &[u32],
         tile_faces: &[u32],
@@ -251,12 +248,7 @@ impl PointTracer {
     }
 
     /// Notes where rays are on the faces, if there are enough triangles to ask for it.
-    fn note_rays<F: Sync>(
-        &mut self,
-        work: &PointWork<'_, F>,
-        arrangement: &Arrangement,
-        tile_len: usize,
-    ) {
+    fn note_rays(&mut self, work: &PointWork<'_>, arrangement: &Arrangement, tile_len: usize) {
         let slot_count = work.table.triangle_block_count() * LANES;
         let is_worth_it = slot_count >= TRIANGLES_PER_RAY * work.rays.len();
         for face in &mut self.tiles {
@@ -281,7 +273,7 @@ impl PointTracer {
     }
 
     /// Streams all primitives, in parallel.
-    fn stream<F: Sync>(&mut self, work: &PointWork<'_, F>) -> TraceStats {
+    fn stream(&mut self, work: &PointWork<'_>) -> TraceStats {
         let _span = debug_span!("stream_triangles").entered();
         let most = SHARES_PER_THREAD * rayon::current_num_threads();
         let part_count = (work.table.block_count() / SMALLEST_SHARE).clamp(1, most);
@@ -299,15 +291,10 @@ impl PointTracer {
         counted.reduce(TraceStats::default, |a, b| a + b)
     }
 
-    fn trace_tiles<F: Fn(usize) -> f32 + Sync>(
-        &self,
-        work: &PointWork<'_, F>,
-        tile_len: usize,
-        ray_idx: &[u32],
-    ) -> TraceStats {
+    fn trace_tiles(&self, work: &PointWork<'_>, tile_len: usize, ray_idx: &[u32]) -> TraceStats {
         let _span = debug_span!("trace_tiles").entered();
-        let PointWork { table, rays, question, t_bound, .. } = *work;
-        let tile_work = TileWork { table, rays, chunks: &self.chunks, question, t_bound };
+        let PointWork { table, rays, question, t_bounds, .. } = *work;
+        let tile_work = TileWork { table, rays, chunks: &self.chunks, question, t_bounds };
         let tile_faces = if self.is_sorted { &self.sorter.tile_faces[..] } else { &[] };
         let tiles = ray_idx.par_chunks(tile_len).enumerate();
         let counted = tiles.map(|(tile_idx, ray_idx)| {
@@ -362,29 +349,23 @@ fn tile_len(ray_count: usize) -> usize {
 }
 
 #[inline(always)]
-fn bound_tile<S: Simd, F: Fn(usize) -> f32>(
-    simd: S,
-    work: &PointWork<'_, F>,
-    face: &Face,
-    ray_idx: &[u32],
-) -> TileBound {
+fn bound_tile<S: Simd>(simd: S, work: &PointWork<'_>, face: &Face, ray_idx: &[u32]) -> TileBound {
     let mut columns = RayColumns::EMPTY;
     let mut all = TileBound::NONE;
     for ray_idx in ray_idx.chunks(LANES) {
         if ray_idx.iter().all(|&ray_idx| ray_idx == NO_RAY) {
             continue;
         }
-        columns.gather(work.rays, ray_idx);
+        columns.gather(simd, work.rays, ray_idx);
         let states = columns.states(simd);
         let points = face.project_rays(simd, columns.origin(simd), columns.direction(simd));
         let limit = face.limit(simd, &points, f32x16::from_slice(simd, &columns.t_max));
         let begin = face.begin(simd, &points, f32x16::from_slice(simd, &columns.t_min));
-        let around = [points.x, points.y, limit, begin];
-        let bound = PointBox::around(simd, around, states.active);
         let extent = points.x.abs() + points.y.abs() + points.start.abs();
-        let extent = PointBox::around(simd, [extent; 4], states.active);
+        let around = [points.x, points.y, limit, begin, extent];
+        let (bound, most) = PointBox::around_with_most(simd, around, states.active);
         let is_lost = states.looks_back | (states.active & !points.on_face).any_true();
-        let reach = extent.bounds[1].max(0.0);
+        let reach = most.max(0.0);
         let invalid_count = states.invalid_count;
         let group_area = bound.area();
         all = all.join(TileBound { bound, reach, invalid_count, group_area, is_lost });
@@ -396,7 +377,7 @@ fn bound_tile<S: Simd, F: Fn(usize) -> f32>(
 fn note_tile<S: Simd>(simd: S, rays: &RayBatch<'_>, face: &FaceTiles, ray_idx: &[u32]) {
     let mut columns = RayColumns::EMPTY;
     for ray_idx in ray_idx.chunks(LANES) {
-        columns.gather(rays, ray_idx);
+        columns.gather(simd, rays, ray_idx);
         let active = columns.states(simd).active;
         let points = face.face.project_rays(simd, columns.origin(simd), columns.direction(simd));
         face.occupancy.note(simd, points.x, points.y, active);

@@ -80,7 +80,7 @@ fn load<S: Simd>(
     t_bound: &impl Fn(usize) -> f32,
 ) -> Places {
     let batch = asked.batch;
-    let mut lanes = RayLanes::load(batch, first_ray);
+    let mut lanes = RayLanes::load(simd, batch, first_ray);
     let masks = batch.mask().lanes(first_ray);
     let (active, invalid) = lanes.states(simd);
     let there = (1 << count) - 1;

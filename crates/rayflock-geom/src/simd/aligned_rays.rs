@@ -51,10 +51,10 @@ pub struct RayLanes {
 impl RayLanes {
     /// Sixteen rays of a batch from `first_ray` on; the last one again where there are no more.
     #[inline(always)]
-    pub fn load(batch: &RayBatch<'_>, first_ray: usize) -> Self {
+    pub fn load<S: Simd>(simd: S, batch: &RayBatch<'_>, first_ray: usize) -> Self {
         Self {
-            origin: batch.origin().lanes(first_ray),
-            direction: batch.direction().lanes(first_ray),
+            origin: batch.origin().point_lanes(simd, first_ray),
+            direction: batch.direction().point_lanes(simd, first_ray),
             t_min: batch.t_min().lanes(first_ray),
             t_max: batch.t_max().lanes(first_ray),
         }

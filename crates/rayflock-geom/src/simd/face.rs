@@ -42,10 +42,10 @@ pub(super) const SMALLEST: f32 = 1e-30;
 pub(super) const LARGEST: f32 = 1e30;
 
 /// The same for coordinates on parallel faces, which are multiplied with each other.
-const FARTHEST: f32 = 1e15;
+pub(super) const FARTHEST: f32 = 1e15;
 
 /// Corners of central faces whose `1 + x^2 + y^2` is larger lie as good as beside the origin.
-const WIDEST_CORNER: f32 = (1 << 20) as f32;
+pub(super) const WIDEST_CORNER: f32 = (1 << 20) as f32;
 
 /// What rays share.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -200,7 +200,7 @@ impl Face {
     }
 
     #[inline(always)]
-    fn splat_rows<S: Simd>(&self, simd: S) -> [Axes<S>; 3] {
+    pub(super) fn splat_rows<S: Simd>(&self, simd: S) -> [Axes<S>; 3] {
         let [a, b, c] = self.rows;
         [splat_axes(simd, a), splat_axes(simd, b), splat_axes(simd, c)]
     }
@@ -225,7 +225,7 @@ fn largest_edge<S: Simd>(p: &[Axes<S>; 3]) -> f32x16<S> {
 }
 
 #[inline(always)]
-fn rotate<S: Simd>([a, b, c]: [Axes<S>; 3], p: Axes<S>) -> Axes<S> {
+pub(super) fn rotate<S: Simd>([a, b, c]: [Axes<S>; 3], p: Axes<S>) -> Axes<S> {
     [fused_dot(a, p), fused_dot(b, p), fused_dot(c, p)]
 }
 
@@ -236,7 +236,7 @@ fn fused_dot<S: Simd>(a: Axes<S>, b: Axes<S>) -> f32x16<S> {
 
 /// The sum of a vector's coordinates without their signs, at least its length.
 #[inline(always)]
-fn taxicab<S: Simd>(p: Axes<S>) -> f32x16<S> {
+pub(super) fn taxicab<S: Simd>(p: Axes<S>) -> f32x16<S> {
     p[0].abs() + p[1].abs() + p[2].abs()
 }
 

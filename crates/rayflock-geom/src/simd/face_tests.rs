@@ -105,6 +105,25 @@ fn place<S: Simd>(simd: S, case: &Case) -> [Option<FaceTriangle>; LANES] {
     found
 }
 
+/// Triangles whose box in space says less than it must.
+#[inline(always)]
+fn wrongly_boxed<S: Simd>(simd: S, case: &Case) -> Vec<usize> {
+    let corners = super::triangle_lanes::TriangleLanes::load(simd, &case.block).corners;
+    let placed = case.face.project_triangles(simd, &corners);
+    let boxed = case.face.box_triangles(simd, &corners);
+    let is_wrong = |lane: usize| {
+        let (tight, wide) = (placed.bounds, boxed.bounds);
+        let within = tight[0][lane] >= wide[0][lane]
+            && tight[1][lane] <= wide[1][lane]
+            && tight[2][lane] >= wide[2][lane]
+            && tight[3][lane] <= wide[3][lane];
+        let is_placed = placed.placed.test(lane);
+        (boxed.behind.test(lane) && !placed.behind.test(lane))
+            || (boxed.certain.test(lane) && is_placed && !within)
+    };
+    (0..LANES).filter(|&lane| is_wrong(lane)).collect()
+}
+
 /// Which rays and triangles are accepted but would be rejected.
 #[inline(always)]
 fn wrongly_rejected<S: Simd>(simd: S, case: &Case) -> Vec<(usize, usize, &'static str)> {
@@ -153,6 +172,16 @@ proptest! {
     fn what_is_accepted_is_never_rejected(case in case()) {
         for level in SimdLevel::available() {
             let wrong = dispatch!(level.level(), simd => wrongly_rejected(simd, &case));
+            prop_assert!(wrong.is_empty(), "{level}: {wrong:?}");
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn boxes_of_boxes_contain_those_of_corners(case in case()) {
+        for level in SimdLevel::available() {
+            let wrong = dispatch!(level.level(), simd => wrongly_boxed(simd, &case));
             prop_assert!(wrong.is_empty(), "{level}: {wrong:?}");
         }
     }

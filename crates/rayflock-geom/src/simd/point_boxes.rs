@@ -7,7 +7,8 @@
 //! **Cost.** Six comparisons; 18 operations more for the edges where several boxes are touched.
 
 use super::face_triangle::FaceTriangle;
-use super::{LANES, Lanes, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
+use super::least_of_each::least_of_each;
+use super::{LANES, Lanes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 
 /// The edges are asked where the box of a triangle touches more boxes than this.
 const FEW: u32 = 2;
@@ -151,19 +152,28 @@ impl PointBox {
         [x, y, limit, begin]: [f32x16<S>; 4],
         active: mask32x16<S>,
     ) -> Self {
-        use super::Select;
-        let most = f32x16::splat(simd, f32::INFINITY);
-        let least = f32x16::splat(simd, f32::NEG_INFINITY);
-        let bounds = [
-            simd.reduce_min_f32x16(active.select(x, most)),
-            simd.reduce_max_f32x16(active.select(x, least)),
-            simd.reduce_min_f32x16(active.select(y, most)),
-            simd.reduce_max_f32x16(active.select(y, least)),
-        ];
-        Self {
-            bounds,
-            limit: simd.reduce_min_f32x16(active.select(limit, most)),
-            begin: simd.reduce_max_f32x16(active.select(begin, least)),
-        }
+        Self::around_with_most(simd, [x, y, limit, begin, x], active).0
+    }
+
+    /// The same, and the largest `value` of them; minus infinity without any.
+    #[inline(always)]
+    pub fn around_with_most<S: Simd>(
+        simd: S,
+        [x, y, limit, begin, value]: [f32x16<S>; 5],
+        active: mask32x16<S>,
+    ) -> (Self, f32) {
+        let infinite = f32x16::splat(simd, f32::INFINITY);
+        let least = *least_of_each([
+            active.select(x, infinite),
+            active.select(-x, infinite),
+            active.select(y, infinite),
+            active.select(-y, infinite),
+            active.select(limit, infinite),
+            active.select(-begin, infinite),
+            active.select(-value, infinite),
+            infinite,
+        ]);
+        let bounds = [least[0], -least[2], least[4], -least[6]];
+        (Self { bounds, limit: least[8], begin: -least[10] }, -least[12])
     }
 }

@@ -18,8 +18,9 @@
 //! **Cost.** 34 operations for sixteen boxes and any number of rays.
 
 use super::aligned_rays::AlignedRays;
+use super::least_of_each::least_of_each;
 use super::ray_boxes::BoxLanes;
-use super::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16};
+use super::{LANES, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16};
 
 /// Bounds of rays that leave through one face of a cube, in the order kx, ky, kz, each axis taken
 /// along the rays.
@@ -52,18 +53,28 @@ impl RayBeam {
     /// They must leave through one face and have the same signs, as those that are [`alike`].
     #[inline(always)]
     pub fn around<S: Simd>(simd: S, rays: &AlignedRays, lanes: u64) -> Option<Self> {
+        let load = f32x16::from_slice;
+        let infinite = f32x16::splat(simd, f32::INFINITY);
         let lanes = mask32x16::from_bitmask(simd, lanes);
-        let mut beam = Self {
-            origin: [[0.0; 2]; 3],
-            inverse: [[0.0; 2]; 3],
-            is_against: [false; 3],
-            margin: range(simd, &rays.margin, lanes)[1],
-            t_min: range(simd, &rays.t_min, lanes)[0],
-            t_max: range(simd, &rays.t_max, lanes)[1],
-        };
+        let mut columns = [infinite; LANES];
         for axis in 0..3 {
-            let [o0, o1] = range(simd, &rays.origin[axis], lanes);
-            let [i0, i1] = range(simd, &rays.inverse[axis], lanes);
+            let (origin, inverse) =
+                (load(simd, &rays.origin[axis]), load(simd, &rays.inverse[axis]));
+            columns[4 * axis] = lanes.select(origin, infinite);
+            columns[4 * axis + 1] = lanes.select(-origin, infinite);
+            columns[4 * axis + 2] = lanes.select(inverse, infinite);
+            columns[4 * axis + 3] = lanes.select(-inverse, infinite);
+        }
+        columns[12] = lanes.select(-load(simd, &rays.margin), infinite);
+        columns[13] = lanes.select(load(simd, &rays.t_min), infinite);
+        columns[14] = lanes.select(-load(simd, &rays.t_max), infinite);
+        let least = *least_of_each(columns);
+
+        let mut beam =
+            Self { margin: -least[12], t_min: least[13], t_max: -least[14], ..Self::EMPTY };
+        for axis in 0..3 {
+            let [o0, o1] = [least[4 * axis], -least[4 * axis + 1]];
+            let [i0, i1] = [least[4 * axis + 2], -least[4 * axis + 3]];
             let is_against = i1 < 0.0;
             beam.is_against[axis] = is_against;
             beam.origin[axis] = if is_against { [-o1, -o0] } else { [o0, o1] };
@@ -101,17 +112,6 @@ pub fn alike<S: Simd>(simd: S, rays: &AlignedRays, lanes: u64, width: f32, dista
         alike &= apart.simd_le(splat(simd, width));
     }
     alike.to_bitmask() & lanes
-}
-
-/// The least and the largest of some lanes.
-#[inline(always)]
-fn range<S: Simd>(simd: S, column: &Lanes, lanes: mask32x16<S>) -> [f32; 2] {
-    let column = f32x16::from_slice(simd, column);
-    let infinite = f32x16::splat(simd, f32::INFINITY);
-    [
-        simd.reduce_min_f32x16(lanes.select(column, infinite)),
-        simd.reduce_max_f32x16(lanes.select(column, -infinite)),
-    ]
 }
 
 /// Sixteen boxes by their corners, as rays along and against each axis meet them.

@@ -34,7 +34,7 @@
 
 use glam::Vec3;
 
-use super::aligned_rays::RayLanes;
+use super::aligned_rays::{AlignedRays, RayLanes, face_axes};
 use super::axes::{Axes, load_axes, load_ordered_axes, splat_axes, store_axes, subtract};
 use super::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use crate::Ray;
@@ -195,23 +195,15 @@ impl RayPacket {
         t_max.store_slice(&mut self.t_max);
     }
 
-    /// Writes all rays, given as they were asked.
+    /// Writes all rays, given as they were asked and prepared for boxes; those that count go through
+    /// one `face` of a cube.
     #[inline(always)]
-    pub fn fill_lanes<S: Simd>(&mut self, simd: S, rays: &RayLanes) {
-        let interval =
-            [f32x16::from_slice(simd, &rays.t_min), f32x16::from_slice(simd, &rays.t_max)];
-        let (origin, direction) = (load_axes(simd, &rays.origin), load_axes(simd, &rays.direction));
-        self.fill(simd, origin, direction, interval);
-    }
-
-    /// Gives lanes that are not `active`, which then hold anything, the axis kz of one that is.
-    #[inline(always)]
-    pub fn share_axis(&mut self, active: u64) {
-        let first = active.trailing_zeros();
-        for bits in &mut self.major {
-            let fill = if *bits >> (first % 16) & 1 == 1 { u16::MAX } else { 0 };
-            *bits = (*bits & active as u16) | (fill & !(active as u16));
-        }
+    pub fn fill_aligned(&mut self, rays: &RayLanes, prepared: &AlignedRays, face: usize) {
+        let [.., kz] = face_axes(face);
+        self.major = [0, 1].map(|axis| if axis == kz { u16::MAX } else { 0 });
+        self.origin = rays.origin;
+        self.shear = prepared.shear;
+        (self.t_min, self.t_max) = (rays.t_min, rays.t_max);
     }
 
     /// The axis kz that all rays share, if they do.

@@ -1,13 +1,15 @@
 //! Is there any ray near? A pyramid of bits over the points of a face.
 //!
 //! ```text
-//!   level n   2^n x 2^n cells, some 64 a ray; a bit says that a ray is in the cell, in the one
-//!             to the right, the one above or the one between these
+//!   level n   2^n x 2^n cells, some 256 a ray; a bit says that a ray is in the cell or in one of
+//!             the fifteen to the right of it and above it that make a square of four by four
 //!   level k   the same for squares of cells, down to 64 x 64
+//!   exact     level n once more, where a bit says that a ray is in the cell
 //! ```
 //!
-//! A box that is not larger than a cell of its level lies in at most two by two of them, so one bit
-//! answers for it. The level follows from the box's size, the bit from its lower left corner.
+//! A box that is not larger than three cells of its level lies in at most four by four of them, so
+//! one bit answers for it. The level follows from the box's size, the bit from its lower left
+//! corner. Boxes that are left are asked cell by cell.
 //!
 //! **Source.** After N. Greene, M. Kass, G. Miller, "Hierarchical Z-Buffer Visibility", SIGGRAPH
 //! 1993. **Departures.** Bits instead of depths, dilated so that one is enough.
@@ -16,7 +18,7 @@
 //! point in a box has a cell between those of the box's corners. Points outside the window count
 //! for its border.
 //!
-//! **Cost.** Two bits a cell; a pass over the bits.
+//! **Cost.** Three bits a cell; two passes over the bits.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -31,11 +33,20 @@ const COARSEST: u32 = 6;
 /// The finest level, 1 MiB with all above it.
 const FINEST: u32 = 11;
 
+/// Boxes larger than this are not asked cell by cell.
+const MOST_COLUMNS: u32 = 32;
+const MOST_ROWS: u32 = 16;
+
+/// A third, rounded up.
+const THIRD: f32 = 0.333_333_4;
+
 /// Bits over the points of one face.
 #[derive(Debug, Default)]
 pub(super) struct Occupancy {
     /// Level k from bit 4^k on. Atomic because several tasks note rays.
     words: Vec<AtomicU64>,
+    /// The finest level before bits were brought to neighbours.
+    exact: Vec<u64>,
     finest: u32,
     low: [f32; 2],
     scale: [f32; 2],
@@ -80,6 +91,11 @@ impl Occupancy {
         for level in (COARSEST..self.finest).rev() {
             self.halve(level);
         }
+        let finest = (1 << (2 * self.finest)) / 64;
+        self.exact.clear();
+        self.exact.extend(self.words[finest..].iter_mut().map(|word| *word.get_mut()));
+        // One more, so that the last word has a next one.
+        self.exact.push(0);
         for level in COARSEST..=self.finest {
             self.dilate(level);
         }
@@ -110,15 +126,19 @@ impl Occupancy {
         let words = &mut self.words[first..2 * first];
         for place in 0..words.len() {
             let is_last = place % side_words == side_words - 1;
-            let right = |words: &mut [AtomicU64], place: usize| {
-                let carry = if is_last { 0 } else { *words[place + 1].get_mut() << 63 };
-                let here = *words[place].get_mut();
-                here | (here >> 1) | carry
-            };
-            let above = place + side_words;
-            let upper = if above < words.len() { right(words, above) } else { 0 };
-            let here = right(words, place);
-            *words[place].get_mut() = here | upper;
+            let next = if is_last { 0 } else { *words[place + 1].get_mut() };
+            let here = *words[place].get_mut();
+            let pair = here | (here >> 1) | (next << 63);
+            let next_pair = next | (next >> 1);
+            *words[place].get_mut() = pair | (pair >> 2) | (next_pair << 62);
+        }
+        // Rows above are as they were when a row takes them.
+        for place in 0..words.len() {
+            let mut bits = *words[place].get_mut();
+            for above in words[place..].iter_mut().step_by(side_words).skip(1).take(3) {
+                bits |= *above.get_mut();
+            }
+            *words[place].get_mut() = bits;
         }
     }
 
@@ -135,9 +155,10 @@ impl Occupancy {
         let (left, right) = (self.cells(simd, bounds[0], 0), self.cells(simd, bounds[1], 0));
         let (low, high) = (self.cells(simd, bounds[2], 1), self.cells(simd, bounds[3], 1));
 
-        // 2^rise is at least the number of cells from one corner to the other.
+        // Three times 2^rise is at least the number of cells from one corner to the other.
         let size = (right - left).max(high - low);
-        let size = (f32x16::float_from(size) - 0.5).max(f32x16::splat(simd, 0.5));
+        let third = (f32x16::float_from(size) - 0.5) * f32x16::splat(simd, THIRD);
+        let size = third.max(f32x16::splat(simd, 0.5));
         let exponent: u32x16<S> = size.bitcast();
         let rise = (exponent >> 23) - splat(simd, 126);
         let most = splat(simd, self.finest - COARSEST);
@@ -159,6 +180,43 @@ impl Occupancy {
         mask32x16::from_bitmask(simd, kept)
     }
 
+    /// The same by the finest level alone, all cells of a box one by one, unless it is large.
+    #[inline(always)]
+    pub(super) fn keep_closely<S: Simd>(
+        &self,
+        simd: S,
+        bounds: &[f32x16<S>; 4],
+        asked: mask32x16<S>,
+    ) -> mask32x16<S> {
+        let (left, right) = (*self.cells(simd, bounds[0], 0), *self.cells(simd, bounds[1], 0));
+        let (low, high) = (*self.cells(simd, bounds[2], 1), *self.cells(simd, bounds[3], 1));
+        let (mut kept, mut lanes) = (0, asked.to_bitmask());
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            let (columns, rows) = ([left[lane], right[lane]], [low[lane], high[lane]]);
+            kept |= u64::from(self.has_any(columns, rows)) << lane;
+        }
+        mask32x16::from_bitmask(simd, kept)
+    }
+
+    /// Whether a ray is in the cells of a box, given the first and the last column and row.
+    #[inline(always)]
+    fn has_any(&self, [left, right]: [u32; 2], [low, high]: [u32; 2]) -> bool {
+        if right - left >= MOST_COLUMNS || high - low >= MOST_ROWS {
+            return true;
+        }
+        let wanted = (1 << (right - left + 1)) - 1;
+        let mut found = 0;
+        for row in low..high + 1 {
+            let bit = (row << self.finest) | left;
+            let (word_idx, shift) = (bit as usize / 64, bit % 64);
+            let next = self.exact[word_idx + 1] << (63 - shift) << 1;
+            found |= (self.exact[word_idx] >> shift) | next;
+        }
+        found & wanted != 0
+    }
+
     /// The cells of coordinates along an axis.
     #[inline(always)]
     fn cells<S: Simd>(&self, simd: S, value: f32x16<S>, axis: usize) -> u32x16<S> {
@@ -169,7 +227,7 @@ impl Occupancy {
 
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
-        8 * self.words.capacity()
+        8 * (self.words.capacity() + self.exact.capacity())
     }
 }
 
@@ -213,12 +271,14 @@ mod tests {
                     let (x, y) = (rng.between(-1.5, 3.5), rng.between(0.0, 2.5));
                     let bounds = [x, x + size * rng.unit(), y, y + size * rng.unit()];
                     let lanes = bounds.map(|bound| f32x16::splat(simd, bound));
-                    let kept = occupancy.keep(simd, &lanes, mask32x16::splat(simd, true));
+                    let all = mask32x16::splat(simd, true);
+                    let kept = occupancy.keep(simd, &lanes, all);
+                    let closely = occupancy.keep_closely(simd, &lanes, all);
                     let is_inside = |[x, y]: &[f32; 2]| {
                         bounds[0] <= *x && *x <= bounds[1] && bounds[2] <= *y && *y <= bounds[3]
                     };
                     if points.iter().any(is_inside) {
-                        assert!(kept.all_true(), "{bounds:?}");
+                        assert!(kept.all_true() && closely.all_true(), "{bounds:?}");
                     } else {
                         empty_count += 1;
                         rejected_count += usize::from(!kept.any_true());

@@ -1,6 +1,6 @@
 //! Sixteen rays of a batch as columns.
 
-use rayflock_geom::simd::{LANES, Lanes, Simd, SimdBase, SimdMask, f32x16, mask32x16};
+use rayflock_geom::simd::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use rayflock_geom::{Column, ColumnElement, RayBatch};
 
 use super::super::arrange::NO_RAY;
@@ -40,9 +40,9 @@ impl RayColumns {
 
     /// Fetches the rays at these positions of the batch; places without a ray repeat another.
     #[inline(always)]
-    pub(super) fn gather(&mut self, batch: &RayBatch<'_>, ray_idx: &[u32]) {
+    pub(super) fn gather<S: Simd>(&mut self, simd: S, batch: &RayBatch<'_>, ray_idx: &[u32]) {
         if let Some(first_ray) = first_of_run(ray_idx) {
-            self.load_run(batch, first_ray as usize);
+            self.load_run(simd, batch, first_ray as usize);
             return;
         }
         let mut positions = [NO_RAY; LANES];
@@ -66,13 +66,31 @@ impl RayColumns {
 
     /// Fetches sixteen consecutive rays.
     #[inline(always)]
-    fn load_run(&mut self, batch: &RayBatch<'_>, first_ray: usize) {
+    fn load_run<S: Simd>(&mut self, simd: S, batch: &RayBatch<'_>, first_ray: usize) {
         self.present = (1 << LANES) - 1;
-        self.origin = batch.origin().lanes(first_ray);
-        self.direction = batch.direction().lanes(first_ray);
+        self.origin = batch.origin().point_lanes(simd, first_ray);
+        self.direction = batch.direction().point_lanes(simd, first_ray);
         self.t_min = batch.t_min().lanes(first_ray);
         self.t_max = batch.t_max().lanes(first_ray);
         self.masks = batch.mask().lanes(first_ray);
+    }
+
+    /// Makes the rays, whose positions these are, look no farther than `t_bounds` tell.
+    #[inline(always)]
+    pub(super) fn bound<S: Simd>(&mut self, simd: S, ray_idx: &[u32], t_bounds: Option<&[f32]>) {
+        let Some(t_bounds) = t_bounds else { return };
+        let mut bounds = [f32::INFINITY; LANES];
+        if let Some(first_ray) = first_of_run(ray_idx) {
+            bounds.copy_from_slice(&t_bounds[first_ray as usize..first_ray as usize + LANES]);
+        } else {
+            for (bound, &ray_idx) in bounds.iter_mut().zip(ray_idx) {
+                *bound = t_bounds.get(ray_idx as usize).copied().unwrap_or(f32::INFINITY);
+            }
+        }
+        let t_max = f32x16::from_slice(simd, &self.t_max);
+        let bounds = f32x16::from_slice(simd, &bounds);
+        // A NaN in the interval stays.
+        self.t_max = *bounds.simd_lt(t_max).select(bounds, t_max);
     }
 
     /// Tells which rays are to be traced, as [`Ray::state`](rayflock_geom::Ray::state) does.

@@ -116,7 +116,7 @@ fn window<S: Simd>(simd: S, batch: &RayBatch<'_>, faces: &[Face]) -> Window {
         let step = (batch.len() / 64).max(LANES);
         for start in (0..batch.len()).step_by(step) {
             let positions = positions(start, batch.len());
-            columns.gather(batch, &positions);
+            columns.gather(simd, batch, &positions);
             let points = face.project_rays(simd, columns.origin(simd), columns.direction(simd));
             let active = (columns.states(simd).active & points.on_face).to_bitmask();
             for lane in (0..LANES).filter(|lane| active & (1 << lane) != 0) {
@@ -157,7 +157,7 @@ fn write_keys<S: Simd>(
     let (mut invalid_count, mut is_lost) = (0, false);
     for (idx, keyed) in keyed.chunks_mut(LANES).enumerate() {
         let start = first_ray + idx * LANES;
-        columns.gather(batch, &positions(start, start + keyed.len()));
+        columns.gather(simd, batch, &positions(start, start + keyed.len()));
         let states = columns.states(simd);
         invalid_count += states.invalid_count;
         let (here, face_idx, [x, y]) = points(simd, faces, &columns, &states);

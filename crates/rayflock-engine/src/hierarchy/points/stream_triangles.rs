@@ -1,7 +1,8 @@
 //! Streams the primitives past the faces: which of them may touch which tile.
 //!
-//! Blocks of sixteen triangles are projected; those whose box touches the rays' are compressed,
-//! set up sixteen at a time, written down, and listed for the tiles they touch.
+//! Boxes around blocks of sixteen triangles are brought onto the face; triangles whose box touches
+//! the rays' are compressed, projected sixteen at a time, asked once more, set up, written down,
+//! and listed for the tiles they touch.
 
 use rayflock_geom::simd::face_triangle::{FaceTriangle, set_up};
 use rayflock_geom::simd::ray_triangle::TriangleBlock;
@@ -106,7 +107,7 @@ impl Chunk {
         }
         for (face_idx, face) in faces.iter().enumerate() {
             while self.staged[face_idx].len > 0 {
-                self.set_up(simd, face_idx, face);
+                self.set_up(simd, table, face_idx, face);
             }
         }
         self.place_others(simd, table, faces, share);
@@ -145,35 +146,54 @@ impl Chunk {
                 continue;
             }
             stats.box_tests += LANES as u64;
-            let placed = face.face.project_triangles(simd, &corners);
-            let mut touches =
-                is_there & placed.placed & overlaps(simd, &placed.bounds, &face.bound.bounds);
-            if face.has_occupancy && touches.any_true() {
-                touches = face.occupancy.keep(simd, &placed.bounds, touches);
-            }
-            let rare = is_there & !placed.placed & !placed.behind;
+            let boxed = face.face.box_triangles(simd, &corners);
+            let mut touches = is_there & !boxed.behind;
+            let asked = touches & boxed.certain;
+            let near = asked & overlaps(simd, &boxed.bounds, &face.bound.bounds);
+            let kept = if face.has_occupancy && near.any_true() {
+                face.occupancy.keep(simd, &boxed.bounds, near)
+            } else {
+                near
+            };
+            touches = (touches & !asked) | kept;
             if touches.any_true() {
                 let ranks = u32x16::from_slice(simd, table.ranks(block_idx));
                 let staged = &mut self.staged[face_idx];
                 staged.append(simd, &corners, [slots, ranks, masks], touches);
                 if staged.len >= LANES {
-                    self.set_up(simd, face_idx, face);
+                    self.set_up(simd, table, face_idx, face);
                 }
-            }
-            if rare.any_true() {
-                self.place_rare(simd, table, face, block_idx, rare.to_bitmask());
             }
         }
     }
 
     /// Sets up the first sixteen triangles of a face that wait, or as many as there are.
     #[inline(always)]
-    fn set_up<S: Simd>(&mut self, simd: S, face_idx: usize, face: &FaceTiles) {
+    fn set_up<S: Simd>(
+        &mut self,
+        simd: S,
+        table: &PrimitiveTable,
+        face_idx: usize,
+        face: &FaceTiles,
+    ) {
         let staged = &mut self.staged[face_idx];
         let count = staged.len.min(LANES);
         let (mut block, mut identity) = (TriangleBlock::EMPTY, [[0; LANES]; 3]);
         staged.take(&mut block, &mut identity);
         let placed = face.face.project_triangles(simd, &load_corners(simd, &block));
+        let waiting = mask32x16::from_bitmask(simd, (1 << count) - 1);
+        let rare = waiting & !placed.placed & !placed.behind;
+        if rare.any_true() {
+            self.place_rare(simd, table, face, &identity[0], rare.to_bitmask());
+        }
+        let mut touches =
+            waiting & placed.placed & overlaps(simd, &placed.bounds, &face.bound.bounds);
+        if face.has_occupancy && touches.any_true() {
+            touches = face.occupancy.keep_closely(simd, &placed.bounds, touches);
+        }
+        if !touches.any_true() {
+            return;
+        }
         let first = self.triangles.len();
         self.triangles.resize(first + LANES, FaceTriangle::EMPTY);
         if let Some(triangles) = self.triangles[first..].first_chunk_mut() {
@@ -185,10 +205,23 @@ impl Chunk {
             ];
             set_up(simd, &placed).store(simd, &placed.bounds, &block, bits, triangles);
         }
-        self.triangles.truncate(first + count);
-        for entry in first..first + count {
+        self.compress(first, touches.to_bitmask());
+        for entry in first..self.triangles.len() {
             self.list(simd, face, entry);
         }
+    }
+
+    /// Closes the gaps between the `kept` of the triangles from `first` on.
+    #[inline(always)]
+    fn compress(&mut self, first: usize, mut kept: u64) {
+        let mut len = first;
+        while kept != 0 {
+            let lane = kept.trailing_zeros() as usize;
+            kept &= kept - 1;
+            self.triangles[len] = self.triangles[first + lane];
+            len += 1;
+        }
+        self.triangles.truncate(len);
     }
 
     /// Notes a primitive for all tiles that it touches.
@@ -197,18 +230,18 @@ impl Chunk {
         face.for_touched(simd, &self.triangles[entry], &mut self.lists, entry as u32);
     }
 
-    /// Sets up single triangles of a block.
+    /// Sets up single triangles, given sixteen slots.
     #[inline(never)]
     fn place_rare<S: Simd>(
         &mut self,
         simd: S,
         table: &PrimitiveTable,
         face: &FaceTiles,
-        block_idx: usize,
+        slots: &[u32; LANES],
         mut lanes: u64,
     ) {
         while lanes != 0 {
-            let slot = (block_idx * LANES) as u32 + lanes.trailing_zeros();
+            let slot = slots[lanes.trailing_zeros() as usize];
             lanes &= lanes - 1;
             let placed = face.face.place_triangle(table.triangle(slot));
             self.push(simd, table, face, slot, placed);

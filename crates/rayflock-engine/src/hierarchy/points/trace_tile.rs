@@ -25,12 +25,12 @@ use crate::primitives::PrimitiveTable;
 pub(super) const LARGEST_TILE: usize = LANES * LANES * LANES;
 
 /// What a tile is traced against, and why.
-pub(super) struct TileWork<'a, F> {
+pub(super) struct TileWork<'a> {
     pub(super) table: &'a PrimitiveTable,
     pub(super) rays: &'a RayBatch<'a>,
     pub(super) chunks: &'a [Chunk],
     pub(super) question: Question,
-    pub(super) t_bound: &'a F,
+    pub(super) t_bounds: Option<&'a [f32]>,
 }
 
 /// A tile at work; kept and filled again tile after tile.
@@ -84,10 +84,10 @@ impl Default for TileTracer {
 impl TileTracer {
     /// Answers the rays of a tile, given their positions in the batch.
     #[inline(always)]
-    pub(super) fn trace<S: Simd, F: Fn(usize) -> f32>(
+    pub(super) fn trace<S: Simd>(
         &mut self,
         simd: S,
-        work: &TileWork<'_, F>,
+        work: &TileWork<'_>,
         face: &Face,
         tile_idx: usize,
         ray_idx: &[u32],
@@ -109,13 +109,7 @@ impl TileTracer {
 
     /// Brings the rays into groups and bounds them.
     #[inline(always)]
-    fn load<S: Simd, F: Fn(usize) -> f32>(
-        &mut self,
-        simd: S,
-        work: &TileWork<'_, F>,
-        face: &Face,
-        ray_idx: &[u32],
-    ) {
+    fn load<S: Simd>(&mut self, simd: S, work: &TileWork<'_>, face: &Face, ray_idx: &[u32]) {
         let group_count = ray_idx.len().div_ceil(LANES);
         self.groups.resize(group_count, Group::EMPTY);
         self.boxes.clear();
@@ -123,14 +117,8 @@ impl TileTracer {
         self.nodes = PointBoxes::EMPTY;
         for (idx, ray_idx) in ray_idx.chunks(LANES).enumerate() {
             let columns = &mut self.columns;
-            columns.gather(work.rays, ray_idx);
-            for (t_max, &ray_idx) in columns.t_max.iter_mut().zip(ray_idx) {
-                if ray_idx != NO_RAY {
-                    // A NaN in the interval stays.
-                    let bound = (work.t_bound)(ray_idx as usize);
-                    *t_max = if bound < *t_max { bound } else { *t_max };
-                }
-            }
+            columns.gather(simd, work.rays, ray_idx);
+            columns.bound(simd, ray_idx, work.t_bounds);
             let group = &mut self.groups[idx];
             let bound = group.load(simd, face, columns);
             self.boxes[idx / LANES].set(idx % LANES, &bound);
@@ -145,10 +133,10 @@ impl TileTracer {
     /// They are copied first: loads that do not wait for each other hide that entries of a tile lie
     /// far apart (1M triangles, 64K rays: half of the time went into waiting for them).
     #[inline(always)]
-    fn meet_all<S: Simd, F>(
+    fn meet_all<S: Simd>(
         &mut self,
         simd: S,
-        work: &TileWork<'_, F>,
+        work: &TileWork<'_>,
         face: &Face,
         chunk: &Chunk,
         entries: &[u32],
@@ -165,10 +153,10 @@ impl TileTracer {
 
     /// Tests a primitive against the rays that it may touch.
     #[inline(always)]
-    fn meet<S: Simd, F>(
+    fn meet<S: Simd>(
         &mut self,
         simd: S,
-        work: &TileWork<'_, F>,
+        work: &TileWork<'_>,
         face: &Face,
         triangle: &FaceTriangle,
         stats: &mut TraceStats,
@@ -221,10 +209,10 @@ impl TileTracer {
 
     /// Tests spheres and user primitives, group by group.
     #[inline(always)]
-    fn trace_others<S: Simd, F: Fn(usize) -> f32>(
+    fn trace_others<S: Simd>(
         &mut self,
         simd: S,
-        work: &TileWork<'_, F>,
+        work: &TileWork<'_>,
         ray_idx: &[u32],
         stats: &mut TraceStats,
     ) {
@@ -233,7 +221,7 @@ impl TileTracer {
             if others.is_empty() {
                 continue;
             }
-            group.fill(&mut self.packet, work.rays, ray_idx, work.t_bound);
+            group.fill(&mut self.packet, work.rays, ray_idx, work.t_bounds);
             let mut tests = TraceStats::default();
             for slot in others.drain(..) {
                 if !self.packet.is_done() {
@@ -381,18 +369,19 @@ impl Group {
     }
 
     /// Puts the rays that want an answer into a packet.
-    fn fill<F: Fn(usize) -> f32>(
+    fn fill(
         &self,
         packet: &mut TracePacket,
         rays: &RayBatch<'_>,
         ray_idx: &[u32],
-        t_bound: &F,
+        t_bounds: Option<&[f32]>,
     ) {
         packet.clear();
         for (lane, &ray_idx) in ray_idx.iter().enumerate() {
             if self.active & (1 << lane) != 0 {
                 let ray = rays.ray(ray_idx as usize);
-                packet.set(lane, &ray, t_bound(ray_idx as usize).min(self.t[lane]));
+                let t_bound = t_bounds.map_or(f32::INFINITY, |bounds| bounds[ray_idx as usize]);
+                packet.set(lane, &ray, t_bound.min(self.t[lane]));
             }
         }
     }
