@@ -37,9 +37,11 @@
 
 mod build_tree;
 mod config;
+mod leaf_order;
 mod ray_block;
 mod ray_group;
 mod sort_slots;
+mod split_greedily;
 mod stage_triangles;
 mod trace_block;
 mod trace_groups;
@@ -54,6 +56,7 @@ use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch, RayOrder};
 pub use config::Config;
 
 use self::build_tree::TreeBuilder;
+use self::leaf_order::PATIENCE;
 use self::trace_block::{BlockQuestion, BlockTracer};
 use self::tree::Tree;
 use crate::answer::AnswerColumns;
@@ -76,6 +79,8 @@ pub struct BvhEngine {
     wanted: Wanted,
     kept: Tree,
     fresh: Tree,
+    /// Frames since the kept tree was built.
+    kept_for: u32,
     /// Whether the fresh tree holds the objects of this frame; built when a first batch comes.
     fresh_is_built: bool,
     /// Memory of tasks that are not running.
@@ -91,7 +96,15 @@ impl BvhEngine {
     /// Builds the kept tree if its objects changed.
     fn build_kept(&mut self) {
         self.fresh_is_built = false;
-        if self.parts.divide(self.table.geometry(), self.table.spans()) == KeptChange::Build {
+        let change = self.parts.divide(self.table.geometry(), self.table.spans());
+        if change == KeptChange::Build {
+            self.kept_for = 0;
+        } else {
+            self.kept_for = self.kept_for.saturating_add(1);
+        }
+        // Once more when it has been of use for long: then in the best order.
+        self.kept.order.has_held(self.kept_for);
+        if change == KeptChange::Build || self.kept_for == PATIENCE {
             self.wanted.list(&self.table, self.parts.places(), |place| place == Place::Kept);
             self.builder.build(self.config.simd, &self.table, &self.wanted, &mut self.kept);
         }

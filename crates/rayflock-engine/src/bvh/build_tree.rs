@@ -1,12 +1,16 @@
 //! Builds a tree over some primitives: leaves in the order of a curve, nodes from the bottom up.
 
 use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxBounds};
-use rayflock_geom::simd::triangle_boxes::{around_spheres, around_triangles};
+use rayflock_geom::simd::triangle_boxes::{
+    around_spheres, around_triangles, half_area_around_each,
+};
 use rayflock_geom::simd::triangle_rows::{ROW_COUNT, columns_of_rows};
 use rayflock_geom::simd::{LANES, Simd, SimdLevel, dispatch};
 use rayon::prelude::*;
 
+use super::leaf_order::{LeafOrder, Ordering};
 use super::sort_slots::SlotSorter;
+use super::split_greedily::GreedySplitter;
 use super::stage_triangles::{StagedTriangles, TriangleReader};
 use super::tree::{OtherLeaf, Tree};
 use crate::primitives::PrimitiveTable;
@@ -21,6 +25,7 @@ const NODES_PER_TASK: usize = 8;
 pub(super) struct TreeBuilder {
     triangles: SlotSorter,
     others: SlotSorter,
+    greedy: GreedySplitter,
 }
 
 impl TreeBuilder {
@@ -32,14 +37,23 @@ impl TreeBuilder {
         wanted: &Wanted,
         tree: &mut Tree,
     ) {
-        self.triangles.sort(level, table, &wanted.triangles);
+        let ordering = tree.order.choose(table, &wanted.triangles);
+        self.order(level, table, wanted, ordering, &mut tree.order);
         self.others.sort(level, table, &wanted.others);
-        let leaves = [&self.triangles, &self.others].map(|sorter| sorter.len().div_ceil(LANES));
-        tree.resize(leaves[0], leaves[1]);
+        tree.resize(tree.order.slots.len().div_ceil(LANES), self.others.len().div_ceil(LANES));
         let writer = LeafWriter { level, table };
-        let (triangle_nodes, other_nodes) = tree.nodes.split_at_mut(leaves[0].div_ceil(LANES));
-        writer.write_triangles(&self.triangles, &mut tree.triangle_leaves, triangle_nodes);
-        writer.write_others(&self.others, &mut tree.other_leaves, other_nodes);
+        let spread = writer.write_triangles(tree);
+        if tree.order.judge(spread) {
+            self.order(level, table, wanted, Ordering::Sort, &mut tree.order);
+            let spread = writer.write_triangles(tree);
+            tree.order.judge(spread);
+        }
+        let triangle_nodes = tree.triangle_node_count();
+        writer.write_others(
+            &self.others,
+            &mut tree.other_leaves,
+            &mut tree.nodes[triangle_nodes..],
+        );
         for upper in 1..tree.level_count() {
             bound_level(level, tree, upper);
         }
@@ -48,9 +62,31 @@ impl TreeBuilder {
         }
     }
 
+    /// Orders the wanted triangles.
+    fn order(
+        &mut self,
+        level: SimdLevel,
+        table: &PrimitiveTable,
+        wanted: &Wanted,
+        ordering: Ordering,
+        order: &mut LeafOrder,
+    ) {
+        match ordering {
+            Ordering::Keep => {}
+            Ordering::Improve => {
+                let slots = self.greedy.order(table, &order.slots);
+                order.replace(table, &wanted.triangles, slots, true);
+            }
+            Ordering::Sort => {
+                self.triangles.sort(level, table, &wanted.triangles);
+                order.replace(table, &wanted.triangles, self.triangles.slots(), false);
+            }
+        }
+    }
+
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
-        self.triangles.memory_usage() + self.others.memory_usage()
+        self.triangles.memory_usage() + self.others.memory_usage() + self.greedy.memory_usage()
     }
 }
 
@@ -60,28 +96,33 @@ struct LeafWriter<'a> {
 }
 
 impl LeafWriter<'_> {
-    fn write_triangles(
-        &self,
-        sorter: &SlotSorter,
-        leaves: &mut [TriangleLeaf],
-        nodes: &mut [BoxBlock],
-    ) {
-        let tasks = leaves.par_chunks_mut(LANES).zip(nodes).enumerate();
-        tasks.with_min_len(NODES_PER_TASK).for_each(|(node_idx, (leaves, node))| {
+    /// Writes the leaves of triangles and the nodes over them. Returns the spread of the leaves.
+    fn write_triangles(&self, tree: &mut Tree) -> f32 {
+        let (nodes, slots) = (&mut tree.nodes, &tree.order.slots);
+        let tasks = tree.triangle_leaves.par_chunks_mut(LANES).zip(nodes).enumerate();
+        let areas = tasks.with_min_len(NODES_PER_TASK).map(|(node_idx, (leaves, node))| {
+            let mut areas = [0.0; 2];
             dispatch!(self.level.level(), simd => {
                 let mut reader = TriangleReader::new(self.table);
                 let mut staged = StagedTriangles::EMPTY;
                 let first = node_idx * LANES * LANES;
                 for (pair_idx, pair) in leaves.chunks_mut(2).enumerate() {
-                    reader.stage(sorter.slots(first + pair_idx * ROW_COUNT), &mut staged);
+                    let slots = &slots[first + pair_idx * ROW_COUNT..];
+                    reader.stage(slots.iter().copied(), &mut staged);
                     write_pair(simd, &staged, pair);
                 }
                 for (lane, leaf) in leaves.iter().enumerate() {
-                    node.set(lane, &around_triangles(simd, &leaf.triangles));
+                    let bounds = around_triangles(simd, &leaf.triangles);
+                    node.set(lane, &bounds);
+                    areas[0] += bounds.half_area();
+                    areas[1] += half_area_around_each(simd, &leaf.triangles);
                 }
             });
             node.pad(leaves.len());
+            areas
         });
+        let [leaf_area, own_area] = areas.reduce(|| [0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+        leaf_area / own_area
     }
 
     fn write_others(&self, sorter: &SlotSorter, leaves: &mut [OtherLeaf], nodes: &mut [BoxBlock]) {

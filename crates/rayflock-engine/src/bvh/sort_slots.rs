@@ -85,10 +85,10 @@ impl SlotSorter {
         self.len
     }
 
-    /// The slots of all primitives in order, from a place on.
+    /// The slots of all primitives in order.
     #[inline(always)]
-    pub(super) fn slots(&self, first: usize) -> impl ExactSizeIterator<Item = u32> + Clone + '_ {
-        self.keyed.sorted()[first..].iter().map(|entry| entry.load(Relaxed) as u32)
+    pub(super) fn slots(&self) -> impl ExactSizeIterator<Item = u32> + '_ {
+        self.keyed.sorted().iter().map(|entry| entry.load(Relaxed) as u32)
     }
 
     /// The slot of the primitive at a place of the order.

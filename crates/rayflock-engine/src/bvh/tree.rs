@@ -15,6 +15,7 @@ use std::ops::Range;
 use rayflock_geom::simd::LANES;
 use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxBounds};
 
+use super::leaf_order::LeafOrder;
 use crate::triangle_leaf::TriangleLeaf;
 
 /// The slots of up to sixteen spheres or user primitives.
@@ -47,6 +48,8 @@ pub(super) struct Tree {
     pub(super) other_leaves: Vec<OtherLeaf>,
     /// The boxes of each node's children, level after level.
     pub(super) nodes: Vec<BoxBlock>,
+    /// How the leaves of triangles are ordered.
+    pub(super) order: LeafOrder,
     /// Where each level begins among the nodes; after the last level, their number.
     level_starts: Vec<usize>,
     /// The box around everything.
@@ -129,5 +132,6 @@ impl Tree {
         self.triangle_leaves.capacity() * size_of::<TriangleLeaf>()
             + self.other_leaves.capacity() * size_of::<OtherLeaf>()
             + self.nodes.capacity() * size_of::<BoxBlock>()
+            + self.order.memory_usage()
     }
 }

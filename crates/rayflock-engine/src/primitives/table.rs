@@ -9,7 +9,7 @@ use rayflock_geom::simd::{LANES, Lanes, SimdLevel};
 use rayflock_geom::{FrameChanges, Geometry, RayTransform, Sphere, UserPrimitives};
 use tracing::debug_span;
 
-use super::ignored::IgnoredCounter;
+use super::ignored::{Ignored, IgnoredCounter};
 use super::plan::Work;
 use super::rank_table::{RankTable, RankedObject};
 use super::span::{Layout, ObjectSpan};
@@ -142,6 +142,11 @@ impl PrimitiveTable {
     #[inline(always)]
     pub(crate) fn bound(&self, slot: u32) -> Sphere {
         self.bounds(slot as usize / LANES).get(slot as usize % LANES)
+    }
+
+    /// Whether any primitive is ignored.
+    pub(crate) fn has_ignored(&self) -> bool {
+        self.ignored.iter().any(|ignored| ignored.get() != Ignored::default())
     }
 
     /// Where the primitives of each object lie; one entry for each object of the geometry.

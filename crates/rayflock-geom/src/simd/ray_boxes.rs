@@ -140,6 +140,12 @@ impl BoxBounds {
         Self::between(min, max)
     }
 
+    /// Half its surface.
+    pub fn half_area(&self) -> f32 {
+        let Vec3 { x, y, z } = self.half_size;
+        4.0 * (x * y + y * z + z * x)
+    }
+
     /// The box around both.
     pub fn union(&self, other: &Self) -> Self {
         let min = (self.center - self.half_size).min(other.center - other.half_size);

@@ -22,6 +22,16 @@ pub fn around_triangles<S: Simd>(simd: S, triangles: &TriangleBlock) -> BoxBound
     BoxBounds::around_lanes(min, max)
 }
 
+/// Half the surfaces of the boxes around each of sixteen triangles, summed.
+#[inline(always)]
+pub fn half_area_around_each<S: Simd>(simd: S, triangles: &TriangleBlock) -> f32 {
+    let [a, b, c] = &triangles.corners;
+    let (a, b, c) = (load_axes(simd, a), load_axes(simd, b), load_axes(simd, c));
+    let (min, max) = around_each(simd, [a, b, c]);
+    let [x, y, z] = subtract(max, min);
+    simd.reduce_sum_f32x16(x * y + y * z + z * x)
+}
+
 /// The boxes around each of sixteen triangles, enlarged, with their coordinates in the order of
 /// `axes`.
 #[inline(always)]

@@ -1,0 +1,175 @@
+//! The order of a tree's triangles, from frame to frame.
+//!
+//! A tree over the same triangles as the frame before may keep their order: then nothing is sorted
+//! and only boxes are written anew. That is worth it where neighbours stay neighbours, as on a
+//! character that walks, and ruinous where they do not. So the order is judged by what it gives:
+//!
+//! ```text
+//!   spread = surfaces of the leaves' boxes / surfaces of the boxes around each triangle
+//! ```
+//!
+//! An order whose spread has grown by half is given up, and the tree is built again along a curve;
+//! after that, no order is kept for a frame, then for two, four ... One that has held for some
+//! frames is worth a better start: it is made anew by `split_greedily`, once.
+//!
+//! **Source.** T. Larsson, T. Akenine-Moller, "Strategies for Bounding Volume Hierarchy Updates for
+//! Ray Tracing of Deformable Models", 2003; C. Lauterbach et al., "RT-DEFORM", IEEE Symposium on
+//! Interactive Ray Tracing 2006 (refitting, and rebuilding where the tree has got worse).
+//! **Departures.** What is kept is an order, not a tree.
+
+use crate::primitives::PrimitiveTable;
+use crate::wanted::WantedLanes;
+
+/// An order is given up when its spread is this many times what it was.
+const WORST: f32 = 1.5;
+
+/// Frames for which an order must have held to be worth a better one.
+pub(super) const PATIENCE: u32 = 8;
+
+/// The most triangles that are ordered greedily, in one frame.
+pub(super) const MOST_GREEDY: usize = 1 << 17;
+
+/// The longest time for which no order is kept, in frames.
+const LONGEST_PAUSE: u32 = 64;
+
+/// Slots in the order of the leaves, and how it has served. See the [module](self).
+#[derive(Debug, Default)]
+pub(super) struct LeafOrder {
+    pub(super) slots: Vec<u32>,
+    /// What the order was made for.
+    wanted: Vec<WantedLanes>,
+    /// Whether it has all of that; primitives that are ignored are left out.
+    is_whole: bool,
+    /// The spread when the order was made; `None` when that is this frame.
+    first_spread: Option<f32>,
+    held_for: u32,
+    is_greedy: bool,
+    /// Frames until an order is kept again.
+    pause: u32,
+    next_pause: u32,
+}
+
+/// How a tree is to be ordered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ordering {
+    /// As it is.
+    Keep,
+    /// Greedily.
+    Improve,
+    /// Along a curve.
+    Sort,
+}
+
+impl LeafOrder {
+    /// What to do for the `wanted` triangles.
+    pub(super) fn choose(&mut self, table: &PrimitiveTable, wanted: &[WantedLanes]) -> Ordering {
+        let is_same = self.is_whole && self.wanted == wanted && !table.has_ignored();
+        if self.pause > 0 || !is_same {
+            self.pause = self.pause.saturating_sub(1);
+            return Ordering::Sort;
+        }
+        self.held_for += 1;
+        let is_worth_it = self.held_for >= PATIENCE && self.slots.len() <= MOST_GREEDY;
+        if is_worth_it && !self.is_greedy { Ordering::Improve } else { Ordering::Keep }
+    }
+
+    /// Says for how many frames the order has served where nothing was to be built.
+    pub(super) fn has_held(&mut self, frame_count: u32) {
+        self.held_for = frame_count;
+    }
+
+    /// Takes slots in a new order.
+    pub(super) fn replace(
+        &mut self,
+        table: &PrimitiveTable,
+        wanted: &[WantedLanes],
+        slots: impl Iterator<Item = u32>,
+        is_greedy: bool,
+    ) {
+        self.slots.clear();
+        self.slots.extend(slots);
+        self.wanted.clear();
+        self.wanted.extend_from_slice(wanted);
+        self.is_whole = !table.has_ignored();
+        self.first_spread = None;
+        self.is_greedy = is_greedy;
+        if !is_greedy {
+            self.held_for = 0;
+        }
+    }
+
+    /// Takes note of the spread of this frame. Returns whether the order is to be given up.
+    pub(super) fn judge(&mut self, spread: f32) -> bool {
+        let Some(first_spread) = self.first_spread else {
+            self.first_spread = Some(spread);
+            return false;
+        };
+        if self.held_for >= PATIENCE {
+            self.next_pause = 0;
+        }
+        let is_bad = spread > WORST * first_spread;
+        if is_bad {
+            self.next_pause = (2 * self.next_pause).clamp(1, LONGEST_PAUSE);
+            self.pause = self.next_pause;
+        }
+        is_bad
+    }
+
+    /// Bytes held.
+    pub(super) fn memory_usage(&self) -> usize {
+        4 * self.slots.capacity() + self.wanted.capacity() * size_of::<WantedLanes>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lanes(count: u32) -> Vec<WantedLanes> {
+        (0..count).map(|block_idx| WantedLanes { block_idx, lanes: 0xffff }).collect()
+    }
+
+    /// What is chosen frame by frame when kept orders have this spread, and new ones 1.
+    fn choices(frame_count: usize, kept_spread: f32) -> Vec<Ordering> {
+        let (table, wanted) = (PrimitiveTable::default(), lanes(2));
+        let mut order = LeafOrder::default();
+        let mut choices = Vec::new();
+        for _ in 0..frame_count {
+            let choice = order.choose(&table, &wanted);
+            if choice != Ordering::Keep {
+                order.replace(&table, &wanted, 0..32, choice == Ordering::Improve);
+            }
+            if order.judge(if choice == Ordering::Keep { kept_spread } else { 1.0 }) {
+                order.replace(&table, &wanted, 0..32, false);
+                order.judge(1.0);
+            }
+            choices.push(choice);
+        }
+        choices
+    }
+
+    #[test]
+    fn an_order_that_holds_is_kept_and_improved_once() {
+        let choices = choices(20, 1.2);
+        assert_eq!(choices[0], Ordering::Sort);
+        assert_eq!(choices[PATIENCE as usize], Ordering::Improve);
+        let kept = choices.iter().filter(|&&choice| choice == Ordering::Keep);
+        assert_eq!(kept.count(), 18);
+    }
+
+    #[test]
+    fn an_order_that_does_not_hold_is_tried_ever_less_often() {
+        let choices = choices(100, 9.0);
+        let tries: Vec<_> = (0..100).filter(|&frame| choices[frame] == Ordering::Keep).collect();
+        assert_eq!(tries, [1, 3, 6, 11, 20, 37, 70]);
+    }
+
+    #[test]
+    fn an_order_for_other_triangles_is_not_kept() {
+        let table = PrimitiveTable::default();
+        let mut order = LeafOrder::default();
+        order.replace(&table, &lanes(2), 0..32, false);
+        assert_eq!(order.choose(&table, &lanes(3)), Ordering::Sort);
+        assert_eq!(order.choose(&table, &lanes(2)), Ordering::Keep);
+    }
+}
