@@ -2,8 +2,9 @@
 //!
 //! For each kind of situation and member stands the ratio of measured to shipped time. A situation
 //! that a member never met takes its ratio in the one most alike, the less the farther that is,
-//! and a little less: an engine that might be the best is tried a few times. A ratio that is not measured again sinks slowly, so that one bad moment
-//! of the machine does not rule an engine out for good.
+//! and half of it: an engine that might be the best is tried a few times. A ratio that is not
+//! measured again sinks slowly, so that one bad moment of the machine does not rule an engine out
+//! for good.
 //!
 //! **Cost.** A search in a table of the situations met; memory grows with their kinds only.
 
@@ -14,7 +15,7 @@ use super::prior;
 use super::situation::{Frame, Situation, SituationKey};
 
 /// How eager the model is to try what it does not know.
-const OPTIMISM: f32 = 0.8;
+const OPTIMISM: f32 = 0.5;
 
 /// How far one measurement moves a ratio.
 const STEP: f32 = 0.3;

@@ -68,20 +68,20 @@ fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
     match (kind, class) {
         (EngineKind::Brute, _) => Coefficients { fixed: 5_000.0, test: 0.2, ..NOTHING },
         (EngineKind::Bvh, SharedOrigin | SharedDirection | Ordered) => {
-            Coefficients { fixed: 30_000.0, fresh_prim: 28.0, ray_level: 8.0, ..NOTHING }
+            Coefficients { fixed: 30_000.0, fresh_prim: 25.0, ray_level: 5.5, ..NOTHING }
         }
         (EngineKind::Bvh, Unordered) => Coefficients {
             fixed: 30_000.0,
-            fresh_prim: 28.0,
+            fresh_prim: 25.0,
             ray: 20.0,
-            ray_level: 25.0,
+            ray_level: 18.0,
             ..NOTHING
         },
         (EngineKind::Hierarchy, SharedOrigin) => {
-            Coefficients { fixed: 100_000.0, prim: 12.0, near_prim: 50.0, ray: 15.0, ..NOTHING }
+            Coefficients { fixed: 100_000.0, prim: 6.0, near_prim: 35.0, ray: 13.0, ..NOTHING }
         }
         (EngineKind::Hierarchy, SharedDirection) => {
-            Coefficients { fixed: 100_000.0, prim: 12.0, near_prim: 130.0, ray: 25.0, ..NOTHING }
+            Coefficients { fixed: 100_000.0, prim: 6.0, near_prim: 90.0, ray: 22.0, ..NOTHING }
         }
         (EngineKind::Hierarchy, Ordered | Unordered) => {
             Coefficients { fixed: 100_000.0, prim: 20.0, ray: 300.0, test: 0.15, ..NOTHING }
