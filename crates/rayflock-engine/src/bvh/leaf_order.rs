@@ -8,9 +8,10 @@
 //!   spread = surfaces of the leaves' boxes / surfaces of the boxes around each triangle
 //! ```
 //!
-//! An order whose spread has grown by half is given up, and the tree is built again along a curve;
+//! An order along a curve whose spread has grown by half is given up, and the tree is built again;
 //! after that, no order is kept for a frame, then for two, four ... One that has held for some
-//! frames is worth a better start: it is made anew by `split_greedily`, once.
+//! frames is worth a better one: it is made anew by `split_greedily`, and kept for as long as its
+//! spread is less than that of the curve was.
 //!
 //! **Source.** T. Larsson, T. Akenine-Moller, "Strategies for Bounding Volume Hierarchy Updates for
 //! Ray Tracing of Deformable Models", 2003; C. Lauterbach et al., "RT-DEFORM", IEEE Symposium on
@@ -20,11 +21,11 @@
 use crate::primitives::PrimitiveTable;
 use crate::wanted::WantedLanes;
 
-/// An order is given up when its spread is this many times what it was.
+/// An order along a curve is given up when its spread is this many times what it was.
 const WORST: f32 = 1.5;
 
 /// Frames for which an order must have held to be worth a better one.
-pub(super) const PATIENCE: u32 = 8;
+pub(super) const PATIENCE: u32 = 4;
 
 /// The most triangles that are ordered greedily, in one frame.
 pub(super) const MOST_GREEDY: usize = 1 << 17;
@@ -40,8 +41,8 @@ pub(super) struct LeafOrder {
     wanted: Vec<WantedLanes>,
     /// Whether it has all of that; primitives that are ignored are left out.
     is_whole: bool,
-    /// The spread when the order was made; `None` when that is this frame.
-    first_spread: Option<f32>,
+    /// The spread when triangles were last ordered along a curve; `None` when that is this frame.
+    curve_spread: Option<f32>,
     held_for: u32,
     is_greedy: bool,
     /// Frames until an order is kept again.
@@ -91,23 +92,24 @@ impl LeafOrder {
         self.wanted.clear();
         self.wanted.extend_from_slice(wanted);
         self.is_whole = !table.has_ignored();
-        self.first_spread = None;
         self.is_greedy = is_greedy;
         if !is_greedy {
+            self.curve_spread = None;
             self.held_for = 0;
         }
     }
 
     /// Takes note of the spread of this frame. Returns whether the order is to be given up.
     pub(super) fn judge(&mut self, spread: f32) -> bool {
-        let Some(first_spread) = self.first_spread else {
-            self.first_spread = Some(spread);
+        let Some(curve_spread) = self.curve_spread else {
+            self.curve_spread = Some(spread);
             return false;
         };
         if self.held_for >= PATIENCE {
             self.next_pause = 0;
         }
-        let is_bad = spread > WORST * first_spread;
+        let worst = if self.is_greedy { 1.0 } else { WORST };
+        let is_bad = spread > worst * curve_spread;
         if is_bad {
             self.next_pause = (2 * self.next_pause).clamp(1, LONGEST_PAUSE);
             self.pause = self.next_pause;
@@ -150,7 +152,7 @@ mod tests {
 
     #[test]
     fn an_order_that_holds_is_kept_and_improved_once() {
-        let choices = choices(20, 1.2);
+        let choices = choices(20, 0.9);
         assert_eq!(choices[0], Ordering::Sort);
         assert_eq!(choices[PATIENCE as usize], Ordering::Improve);
         let kept = choices.iter().filter(|&&choice| choice == Ordering::Keep);

@@ -115,12 +115,16 @@ impl RayBlock {
         for (t_max, &t_bound) in lanes.t_max.iter_mut().zip(t_bounds.into_iter().flatten()) {
             *t_max = t_max.min(t_bound);
         }
-        let masks = batch.mask().lanes(first_ray);
-        let prepared = AlignedRays::prepare(simd, &lanes, &asked.bounds, asked.table.slack());
-        let first = first_ray - self.first_ray;
         let there = (1 << count) - 1;
         let invalid_count = u64::from((invalid & there).count_ones());
-        let mut single = active & there;
+        if active & there == 0 {
+            return invalid_count;
+        }
+        let masks = batch.mask().lanes(first_ray);
+        let (prepared, crossing) =
+            AlignedRays::prepare(simd, &lanes, &asked.bounds, asked.table.slack());
+        let first = first_ray - self.first_ray;
+        let mut single = active & there & crossing;
         if asked.group_width > 0.0 {
             single = self.push_groups(simd, asked, first, single, (&lanes, &prepared, masks));
         }

@@ -98,10 +98,16 @@ pub struct AlignedRays {
 }
 
 impl AlignedRays {
-    /// Prepares rays for boxes within `bounds`. `slack` is relative to the distances at hand, at
-    /// least [`SLACK`](super::cone_sphere::SLACK).
+    /// Prepares rays for boxes within `bounds`; also tells which of the rays may cross that, one
+    /// bit a lane. `slack` is relative to the distances at hand, at least
+    /// [`SLACK`](super::cone_sphere::SLACK).
     #[inline(always)]
-    pub fn prepare<S: Simd>(simd: S, rays: &RayLanes, bounds: &BoxBounds, slack: f32) -> Self {
+    pub fn prepare<S: Simd>(
+        simd: S,
+        rays: &RayLanes,
+        bounds: &BoxBounds,
+        slack: f32,
+    ) -> (Self, u64) {
         let splat = f32x16::splat;
         let (origin, direction) = (load_axes(simd, &rays.origin), load_axes(simd, &rays.direction));
         let order = Order::of(direction);
@@ -117,25 +123,38 @@ impl AlignedRays {
             to_center[2] + half_size[2],
         ]);
         let coarsest = splat(simd, UNDERFLOW) + splat(simd, COARSEST_T) * size;
-        let margin = splat(simd, slack) * farthest + coarsest;
+        let plain_margin = splat(simd, slack) * farthest + coarsest;
         let in_range = farthest.simd_le(splat(simd, LARGEST_DISTANCE))
             & size.simd_ge(splat(simd, SMALLEST_SIZE));
 
+        let margin = in_range.select(plain_margin, splat(simd, f32::INFINITY));
+        let (t_min, t_max) = (
+            f32x16::from_slice(simd, &rays.t_min) * size,
+            f32x16::from_slice(simd, &rays.t_max) * size,
+        );
+
         let thinnest = splat(simd, THINNEST) * size;
         let mut prepared = Self {
-            margin: *in_range.select(margin, splat(simd, f32::INFINITY)),
-            t_min: *(f32x16::from_slice(simd, &rays.t_min) * size),
-            t_max: *(f32x16::from_slice(simd, &rays.t_max) * size),
+            margin: *margin,
+            t_min: *t_min,
+            t_max: *t_max,
             faces: *order.faces(simd, ordered[2]),
             ..Self::EMPTY
         };
-        for (column, coordinate) in prepared.inverse.iter_mut().zip(ordered) {
-            let inverse = size / coordinate.abs().max(thinnest).copysign(coordinate);
-            in_range.select(inverse, splat(simd, 1.0)).store_slice(column);
+        let to_center = order.apply(subtract(splat_axes(simd, bounds.center), origin));
+        let half_size = order.apply(half_size);
+        let (mut near, mut far) = (t_min, t_max);
+        for (axis, column) in prepared.inverse.iter_mut().enumerate() {
+            let inverse = size / ordered[axis].abs().max(thinnest).copysign(ordered[axis]);
+            let inverse = in_range.select(inverse, splat(simd, 1.0));
+            inverse.store_slice(column);
+            let middle = to_center[axis] * inverse;
+            let reach = (half_size[axis] + margin) * inverse.abs();
+            (near, far) = (near.max(middle - reach), far.min(middle + reach));
         }
         store_axes(&order.apply(origin), &mut prepared.origin);
         store_axes(&shear, &mut prepared.shear);
-        prepared
+        (prepared, (!near.simd_gt(far)).to_bitmask())
     }
 
     const EMPTY: Self = Self {
@@ -276,7 +295,7 @@ mod tests {
                 (lanes.t_min[lane], lanes.t_max[lane]) = (ray.t_min, ray.t_max);
             }
             let ((active, invalid), prepared) = dispatch!(level.level(), simd => {
-                (lanes.states(simd), AlignedRays::prepare(simd, &lanes, &bounds, 1e-5))
+                (lanes.states(simd), AlignedRays::prepare(simd, &lanes, &bounds, 1e-5).0)
             });
             for (lane, ray) in chunk.iter().enumerate() {
                 let (is_active, is_invalid) = (active >> lane & 1 == 1, invalid >> lane & 1 == 1);

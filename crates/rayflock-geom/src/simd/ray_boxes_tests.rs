@@ -62,27 +62,29 @@ fn crossed(ray: &Ray, content: Content, room: &BoxBounds) -> Vec<bool> {
             parent.set(0, &bounds);
             parent.pad(1);
             parent.set(LANE, &parent.around(simd));
-            let (origin, prepared, axes) = prepare(simd, ray, &bounds.union(room));
+            let (origin, prepared, axes, crosses_all) = prepare(simd, ray, &bounds.union(room));
             let is_crossed = |block: &BoxBlock| {
                 crosses(simd, origin, &prepared, &block.load(simd, axes)).test(LANE)
             };
-            is_crossed(&block) && is_crossed(&parent)
+            crosses_all && is_crossed(&block) && is_crossed(&parent)
         })
     };
     SimdLevel::available().into_iter().map(at_level).collect()
 }
 
-/// Prepares a ray for boxes within some bounds; also tells its origin in the order of its axes.
+/// Prepares a ray for boxes within some bounds; also tells its origin in the order of its axes, and
+/// whether it may cross the bounds.
 #[inline(always)]
-fn prepare<S: Simd>(simd: S, ray: &Ray, bounds: &BoxBounds) -> (Vec3, BoxRay, [usize; 3]) {
+fn prepare<S: Simd>(simd: S, ray: &Ray, bounds: &BoxBounds) -> (Vec3, BoxRay, [usize; 3], bool) {
     let rays = RayLanes {
         origin: ray.origin.to_array().map(|coordinate| [coordinate; 16]),
         direction: ray.direction.to_array().map(|coordinate| [coordinate; 16]),
         t_min: [ray.t_min; 16],
         t_max: [ray.t_max; 16],
     };
-    let prepared = AlignedRays::prepare(simd, &rays, bounds, SLACK);
-    (prepared.origin(LANE), prepared.box_ray(LANE), face_axes(prepared.face(LANE)))
+    let (prepared, crossing) = AlignedRays::prepare(simd, &rays, bounds, SLACK);
+    let axes = face_axes(prepared.face(LANE));
+    (prepared.origin(LANE), prepared.box_ray(LANE), axes, crossing & (1 << LANE) != 0)
 }
 
 /// Whether the beam around the ray and fifteen others, of which each lies a little farther off by
@@ -113,7 +115,7 @@ fn beam_crosses_triangle(
     SimdLevel::available().into_iter().all(|level| {
         dispatch!(level.level(), simd => {
             let bounds = around_triangles(simd, &triangles);
-            let prepared = AlignedRays::prepare(simd, &rays, &bounds.union(room), SLACK);
+            let (prepared, _) = AlignedRays::prepare(simd, &rays, &bounds.union(room), SLACK);
             let axes = face_axes(prepared.face(LANE));
             let mut block = BoxBlock::ZERO;
             block.set(LANE, &bounds);
@@ -284,7 +286,7 @@ fn a_ray_cut_short_crosses_what_lies_nearer() {
     block.set(0, &bounds);
     block.pad(1);
     let ray = Ray::new(Vec3::ZERO, 0.5 * Vec3::Z);
-    let (origin, mut prepared, axes) =
+    let (origin, mut prepared, axes, _) =
         dispatch!(SimdLevel::best().level(), simd => prepare(simd, &ray, &bounds));
     let count = |prepared: &BoxRay| {
         dispatch!(SimdLevel::best().level(), simd => {
@@ -319,7 +321,7 @@ fn a_beam_crosses_what_one_of_its_rays_does_and_nothing_beside() {
         let crossed = |t_max| {
             dispatch!(level.level(), simd => {
                 let bounds = BoxBounds::between(Vec3::splat(-9.0), Vec3::splat(9.0));
-                let prepared = AlignedRays::prepare(simd, &rays, &bounds, SLACK);
+                let (prepared, _) = AlignedRays::prepare(simd, &rays, &bounds, SLACK);
                 let near = alike(simd, &prepared, 0xffff, 0.85, 1.0);
                 assert_eq!(near, 0x1ff, "rays up to 0.8 from the first");
                 let mut beam = RayBeam::around(simd, &prepared, 0xffff).unwrap();
