@@ -20,7 +20,7 @@
 //! assert_eq!(geometry.prim_count(), 1);
 //! # Ok::<(), rayflock_geom::GeometryError>(())
 //! ```
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod aabb;
 mod affine;
@@ -30,6 +30,7 @@ mod geometry;
 mod hits;
 mod ids;
 mod mesh;
+mod prefetch;
 mod ray;
 mod ray_batch;
 pub mod simd;
@@ -45,6 +46,7 @@ pub use geometry::{Geometry, GeometryError, GeometryObject};
 pub use hits::{Hit, HitBuffer, Hits};
 pub use ids::{NO_ID, ObjectId, PrimId};
 pub use mesh::{Mesh, PrimKind, is_degenerate_triangle};
+pub use prefetch::prefetch;
 pub use ray::{Ray, RayState};
 pub use ray_batch::{RayBatch, RayBatchError, RayOrder};
 pub use sphere::Sphere;

@@ -7,6 +7,7 @@ use rayflock_geom::simd::triangle_boxes::{
 use rayflock_geom::simd::triangle_rows::{ROW_COUNT, columns_of_rows};
 use rayflock_geom::simd::{LANES, Simd, SimdLevel, dispatch};
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use super::leaf_order::{LeafOrder, Ordering};
 use super::sort_slots::SlotSorter;
@@ -19,6 +20,9 @@ use crate::wanted::Wanted;
 
 /// Nodes of sixteen leaves that one task writes at least.
 const NODES_PER_TASK: usize = 8;
+
+/// How many triangles before their turn memory is asked for them.
+const ROWS_AHEAD: usize = 2 * ROW_COUNT;
 
 /// Builds trees, keeping its memory.
 #[derive(Debug, Default)]
@@ -54,6 +58,7 @@ impl TreeBuilder {
             &mut tree.other_leaves,
             &mut tree.nodes[triangle_nodes..],
         );
+        let _span = debug_span!("bound_nodes").entered();
         for upper in 1..tree.level_count() {
             bound_level(level, tree, upper);
         }
@@ -98,6 +103,7 @@ struct LeafWriter<'a> {
 impl LeafWriter<'_> {
     /// Writes the leaves of triangles and the nodes over them. Returns the spread of the leaves.
     fn write_triangles(&self, tree: &mut Tree) -> f32 {
+        let _span = debug_span!("write_leaves").entered();
         let (nodes, slots) = (&mut tree.nodes, &tree.order.slots);
         let tasks = tree.triangle_leaves.par_chunks_mut(LANES).zip(nodes).enumerate();
         let areas = tasks.with_min_len(NODES_PER_TASK).map(|(node_idx, (leaves, node))| {
@@ -108,6 +114,8 @@ impl LeafWriter<'_> {
                 let first = node_idx * LANES * LANES;
                 for (pair_idx, pair) in leaves.chunks_mut(2).enumerate() {
                     let slots = &slots[first + pair_idx * ROW_COUNT..];
+                    let ahead = slots.len().min(ROWS_AHEAD)..slots.len().min(ROWS_AHEAD + ROW_COUNT);
+                    reader.ask_for(&slots[ahead]);
                     reader.stage(slots.iter().copied(), &mut staged);
                     write_pair(simd, &staged, pair);
                 }

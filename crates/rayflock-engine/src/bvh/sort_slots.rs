@@ -24,6 +24,7 @@ use rayflock_geom::simd::{
     LANES, Select, Simd, SimdBase, SimdLevel, SimdMask, dispatch, f32x16, mask32x16, u32x16,
 };
 use rayon::prelude::*;
+use tracing::debug_span;
 
 use crate::primitives::PrimitiveTable;
 use crate::sort_keyed::KeyedSorter;
@@ -73,10 +74,14 @@ impl SlotSorter {
     ) {
         let most_chunks = CHUNKS_PER_THREAD * rayon::current_num_threads();
         let blocks_per_chunk = wanted.len().div_ceil(most_chunks).max(BLOCKS_PER_CHUNK);
+        let span = debug_span!("measure_middles").entered();
         self.measure(level, table, wanted, blocks_per_chunk);
+        span.exit();
+        let span = debug_span!("encode_middles").entered();
         let cells = self.cells();
         let encoder = Encoder { level, table, blocks_per_chunk, cells };
         encoder.encode(wanted, &self.chunks, self.keyed.entries(self.len));
+        span.exit();
         self.keyed.sort(3 * cells.bits);
     }
 

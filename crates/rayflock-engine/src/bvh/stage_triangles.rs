@@ -5,12 +5,10 @@
 //! brought into columns by shuffles. Corners are brought into the world by the operation by which
 //! the table was written, so they are the same bits.
 
-use std::hint::black_box;
-
 use glam::{Affine3A, Vec3};
 use rayflock_geom::simd::LANES;
 use rayflock_geom::simd::triangle_rows::{ROW_COUNT, TriangleRow};
-use rayflock_geom::{Mesh, transform_point};
+use rayflock_geom::{Mesh, prefetch, transform_point};
 
 use crate::primitives::PrimitiveTable;
 
@@ -58,11 +56,10 @@ impl<'a> TriangleReader<'a> {
     #[inline(always)]
     pub(super) fn stage(
         &mut self,
-        slots: impl ExactSizeIterator<Item = u32> + Clone,
+        slots: impl ExactSizeIterator<Item = u32>,
         staged: &mut StagedTriangles,
     ) {
         let count = slots.len().min(ROW_COUNT);
-        self.touch(slots.clone().take(count));
         for (idx, slot) in slots.take(count).enumerate() {
             let object = self.object(slot);
             let triangle_idx = slot as usize - object.first_slot;
@@ -80,19 +77,17 @@ impl<'a> TriangleReader<'a> {
         }
     }
 
-    /// Reads both ends of all rows, so that what is not in the cache comes at the same time: copying
-    /// them takes so many operations that few would be under way at once.
+    /// Asks for triangles that will be read soon, so that they are in the cache by then.
     #[inline(always)]
-    fn touch(&mut self, slots: impl Iterator<Item = u32>) {
-        let mut touched = 0.0;
-        for slot in slots {
+    pub(super) fn ask_for(&mut self, slots: &[u32]) {
+        for &slot in slots {
             let object = self.object(slot);
-            if let Some(rows) = object.rows {
-                let row = &rows[slot as usize - object.first_slot];
-                touched += row[0] + row[8];
+            let triangle_idx = slot as usize - object.first_slot;
+            match object.rows {
+                Some(rows) => prefetch(&rows[triangle_idx]),
+                None => prefetch(&object.mesh.triangles()[triangle_idx]),
             }
         }
-        black_box(touched);
     }
 
     /// The object of a slot.

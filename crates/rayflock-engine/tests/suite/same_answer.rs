@@ -1,8 +1,11 @@
 //! Every engine gives the answer of the definition, to the bit: whatever frames came before,
 //! however the rays are laid out, hinted and split, at every SIMD level, on any number of threads.
 
+use glam::Vec3;
 use proptest::prelude::*;
-use rayflock_geom::{FrameChanges, Geometry, Hit, HitBuffer, Hits, ObjectId, PrimId, RayBatch};
+use rayflock_geom::{
+    FrameChanges, Geometry, GeometryObject, Hit, HitBuffer, Hits, Mesh, ObjectId, PrimId, RayBatch,
+};
 use rayflock_testkit::Rng;
 use rayflock_testkit::rays::{RayForm, RaySet, every_order};
 use rayflock_testkit::scenes::{SceneRecipe, scene_recipe};
@@ -177,6 +180,60 @@ proptest! {
         if let Err(fault) = check_frames(Subject::with_settings(), &recipe, 4, 130) {
             prop_assert!(false, "{fault}");
         }
+    }
+}
+
+/// A sheet of triangles that waves over `frame_count` frames. One triangle degenerates in frame 6
+/// and comes back; in frame 9 all vertices change places.
+fn waving_sheet(frame_count: usize) -> Vec<Geometry> {
+    const SIDE: u32 = 24;
+    let corner = |column: u32, row: u32| column * (SIDE + 1) + row;
+    let triangles: Vec<[u32; 3]> = (0..SIDE * SIDE)
+        .map(|idx| (idx / SIDE, idx % SIDE))
+        .flat_map(|(x, y)| {
+            let [a, b] = [corner(x, y), corner(x + 1, y)];
+            [[a, b, corner(x + 1, y + 1)], [a, corner(x + 1, y + 1), corner(x, y + 1)]]
+        })
+        .collect();
+    let mut sheet = None;
+    let frame = |frame_idx: usize| {
+        let height = |x: f32, y: f32| 0.2 * (3.0 * x + y + 0.3 * frame_idx as f32).sin();
+        let place = |idx: u32| [idx / (SIDE + 1), idx % (SIDE + 1)].map(|i| i as f32 / SIDE as f32);
+        let mut vertices: Vec<Vec3> = (0..(SIDE + 1) * (SIDE + 1))
+            .map(place)
+            .map(|[x, y]| Vec3::new(x, y, height(x, y)))
+            .collect();
+        if frame_idx == 6 {
+            vertices[0] = vertices[1];
+        } else if frame_idx == 9 {
+            let len = vertices.len();
+            vertices = (0..len).map(|idx| vertices[idx * 7 % len]).collect();
+        }
+        let sheet = sheet.get_or_insert_with(|| {
+            Mesh::from_triangles(vertices.clone(), triangles.clone()).unwrap()
+        });
+        let sheet = sheet.with_vertices(vertices).unwrap();
+        Geometry::new(vec![GeometryObject::new(ObjectId(0), sheet)]).unwrap()
+    };
+    (0..frame_count).map(frame).collect()
+}
+
+/// Long enough for what engines keep from frame to frame to be kept, improved and given up.
+#[test]
+fn engines_agree_on_a_sheet_that_waves() {
+    let mut rng = Rng::new(6);
+    let mut subjects = Subject::all();
+    let mut previous = Geometry::default();
+    for (frame_idx, geometry) in waving_sheet(12).into_iter().enumerate() {
+        let changes = FrameChanges::between(&previous, &geometry);
+        let set = random_set(&mut rng, &geometry, 256);
+        let expected = expected_hits(&geometry, &set.batch());
+        for subject in &mut subjects {
+            subject.commit(&geometry, &changes);
+            let verdict = check_whole(subject, &set.batch(), &expected);
+            assert_eq!(verdict, Ok(()), "frame {frame_idx}");
+        }
+        previous = geometry;
     }
 }
 
