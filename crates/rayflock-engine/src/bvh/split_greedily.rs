@@ -158,10 +158,10 @@ impl<'a> Part<'a> {
         }
         let mut best = (f32::INFINITY, capacity);
         let mut bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for run_idx in 1..run_count {
+        for (run_idx, &behind) in behind.iter().enumerate().take(run_count).skip(1) {
             let middle = run_idx * capacity;
             bounds = self.around(middle - capacity..middle, bounds);
-            let cost = half_area(bounds) * middle as f32 + behind[run_idx];
+            let cost = half_area(bounds) * middle as f32 + behind;
             if cost < best.0 {
                 best = (cost, middle);
             }
