@@ -4,11 +4,18 @@ use std::time::{Duration, Instant};
 
 /// How long a cell is measured, and when an engine is too slow for it.
 ///
+/// First come rounds that do not count, for engines that learn or improve what they keep: as many
+/// as `settling_rounds`, but none is begun after `settling_time`.
+///
 /// A phase gets `usual_rounds`, unless they would take longer than `phase_time`; then fewer, down
 /// to `min_rounds`. Where frames are so short that they take less than `short_time`, rounds go on
 /// until that has passed, up to `max_rounds`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
+    /// Rounds before those that count.
+    pub settling_rounds: usize,
+    /// After this, the next round counts.
+    pub settling_time: Duration,
     /// Rounds a phase at least, unless `cell_time` is over.
     pub min_rounds: usize,
     /// Rounds of frames that are neither very short nor very long.
@@ -30,6 +37,8 @@ pub struct Effort {
 impl Effort {
     /// What a record needs.
     pub const FULL: Self = Self {
+        settling_rounds: 8,
+        settling_time: Duration::from_millis(500),
         min_rounds: 4,
         usual_rounds: 16,
         max_rounds: 1000,
@@ -42,6 +51,8 @@ impl Effort {
 
     /// What an impression needs.
     pub const QUICK: Self = Self {
+        settling_rounds: 8,
+        settling_time: Duration::from_millis(150),
         min_rounds: 4,
         usual_rounds: 8,
         max_rounds: 200,
@@ -56,6 +67,8 @@ impl Effort {
     pub const fn of_runs(run_count: usize) -> Self {
         let for_ever = Duration::from_secs(1 << 20);
         Self {
+            settling_rounds: 0,
+            settling_time: Duration::ZERO,
             min_rounds: run_count,
             usual_rounds: run_count,
             max_rounds: run_count,
@@ -65,6 +78,12 @@ impl Effort {
             screen_time: Self::FULL.screen_time,
             cell_time: for_ever,
         }
+    }
+
+    /// The same with time to settle in first.
+    pub const fn settled(self) -> Self {
+        let Self { settling_rounds, settling_time, .. } = Self::FULL;
+        Self { settling_rounds, settling_time, ..self }
     }
 
     /// Whether a phase ends after `round_count` rounds in `elapsed`, the last of which took

@@ -1,4 +1,4 @@
-//! One phase: warm-up, then round after round in which each engine has its turn.
+//! One phase: warm-up, settling in, then round after round in which each engine has its turn.
 
 use std::time::{Duration, Instant};
 
@@ -53,6 +53,7 @@ impl Rounds<'_> {
         let reference = reference.and_then(|reference| self.answer(reference, first));
         let mut expected = Expected { reference, first_own: None };
 
+        self.settle(contestants, &mut answers)?;
         let rounds_start = Instant::now();
         for round_idx in 0.. {
             let round_start = Instant::now();
@@ -74,6 +75,36 @@ impl Rounds<'_> {
             }
         }
         contestants.iter_mut().for_each(|contestant| contestant.judge_noted(&first.geometry));
+        Ok(())
+    }
+
+    /// Rounds that do not count. Each goes over all frames, so that the first one is news to the
+    /// first round that does.
+    fn settle(
+        &self,
+        contestants: &mut [&mut Contestant],
+        answers: &mut Answers,
+    ) -> Result<(), Stopped> {
+        let start = Instant::now();
+        let mut round_count = 0;
+        while round_count < self.effort.settling_rounds
+            && start.elapsed() < self.effort.settling_time
+        {
+            for frame in &self.phase.frames {
+                for contestant in contestants.iter_mut().filter(|contestant| contestant.is_in()) {
+                    if (self.is_stopped)() {
+                        return Err(Stopped);
+                    }
+                    self.take_turn(contestant, frame, answers);
+                }
+            }
+            round_count += self.phase.frames.len();
+        }
+        for contestant in contestants.iter_mut() {
+            if let Some(phase) = contestant.phases.last_mut() {
+                phase.samples.clear();
+            }
+        }
         Ok(())
     }
 

@@ -74,6 +74,21 @@ fn engines_take_turns_and_every_commit_is_news() {
 }
 
 #[test]
+fn rounds_of_settling_in_do_not_count() {
+    let log = Log::default();
+    let mut piece = piece(RayKind::Primary, 64);
+    piece.phases.truncate(1);
+    let mut contest = contest(vec![fake("a", true, Tamper::Nothing, &log)]);
+    contest.effort.settling_rounds = 3;
+    contest.effort.settling_time = Duration::from_secs(60);
+    let cells = measure(&mut contest, &piece);
+    let turns =
+        [0, 1, 0, 1, 0, 1, 0].map(|frame| [format!("a commit {frame}"), "a trace 64".to_owned()]);
+    assert_eq!(log.of(&piece)[5..], *turns.as_flattened(), "two frames, twice, then three rounds");
+    assert_eq!(cells[0].phases[0].rounds, 3);
+}
+
+#[test]
 fn a_single_frame_comes_after_the_frame_before_each_time() {
     let log = Log::default();
     let mut piece = piece(RayKind::DirShadow, 64);

@@ -30,9 +30,9 @@ const SINKING: f32 = 0.997;
 /// what rests is prepared, so the least of them counts.
 const TRIALS: u32 = 3;
 
-/// Nanoseconds from which on a measurement stands for two: starting slowly is a smaller part of
-/// it, and trying costs more.
-const LONG_NS: f32 = 5e6;
+/// Nanoseconds from which on a measurement stands for two, and for three: starting slowly is a
+/// smaller part of it, and trying costs more.
+const LONG_NS: [f32; 2] = [5e6, 5e7];
 
 /// Measured over shipped time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +56,8 @@ impl Ratio {
 
     fn learn(&mut self, measured: f32, took_ns: f32) {
         if self.trials < TRIALS {
-            self.trials = (self.trials + if took_ns < LONG_NS { 1 } else { 2 }).min(TRIALS);
+            let counted = 1 + LONG_NS.iter().filter(|&&long_ns| took_ns >= long_ns).count() as u32;
+            self.trials = (self.trials + counted).min(TRIALS);
             self.value = self.value.min(measured);
         } else {
             self.value += STEP * (measured.min(WORST_SURPRISE * self.value) - self.value);

@@ -29,7 +29,7 @@ pub(super) fn run(args: &BenchSceneArguments) -> Result<(), Failure> {
     let library = engines::library(&args.engines)?;
     output::check(&args.output)?;
 
-    let effort = Effort::of_runs(usize::from(args.runs));
+    let effort = Effort::of_runs(usize::from(args.runs)).settled();
     let bench = SceneBench {
         name: input.name.clone(),
         frames,
