@@ -62,7 +62,6 @@ use tracing::debug_span;
 pub use config::Config;
 
 use self::build_tree::TreeBuilder;
-use self::leaf_order::PATIENCE;
 use self::trace_block::{BlockQuestion, BlockTracer};
 use self::tree::Tree;
 use crate::answer::AnswerColumns;
@@ -85,8 +84,6 @@ pub struct BvhEngine {
     wanted: Wanted,
     kept: Tree,
     fresh: Tree,
-    /// Frames since the kept tree was built.
-    kept_for: u32,
     /// Whether the fresh tree holds the objects of this frame; built when a first batch comes.
     fresh_is_built: bool,
     /// Memory of tasks that are not running.
@@ -99,18 +96,11 @@ impl BvhEngine {
         Self { config, table: PrimitiveTable::new(config.simd), ..Self::default() }
     }
 
-    /// Builds the kept tree if its objects changed.
+    /// Builds the kept tree if its objects changed, and once more when it has been of use for long.
     fn build_kept(&mut self) {
         self.fresh_is_built = false;
         let change = self.parts.divide(self.table.geometry(), self.table.spans());
-        if change == KeptChange::Build {
-            self.kept_for = 0;
-        } else {
-            self.kept_for = self.kept_for.saturating_add(1);
-        }
-        // Once more when it has been of use for long: then in the best order.
-        self.kept.order.has_held(self.kept_for);
-        if change == KeptChange::Build || self.kept_for == PATIENCE {
+        if change == KeptChange::Build || self.kept.order.holds() {
             self.wanted.list(&self.table, self.parts.places(), |place| place == Place::Kept);
             self.builder.build(self.config.simd, &self.table, &self.wanted, &mut self.kept);
         }

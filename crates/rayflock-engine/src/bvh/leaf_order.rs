@@ -25,10 +25,10 @@ use crate::wanted::WantedLanes;
 const WORST: f32 = 1.5;
 
 /// Frames for which an order must have held to be worth a better one.
-pub(super) const PATIENCE: u32 = 4;
+const PATIENCE: u32 = 4;
 
 /// The most triangles that are ordered greedily, in one frame.
-pub(super) const MOST_GREEDY: usize = 1 << 17;
+const MOST_GREEDY: usize = 1 << 17;
 
 /// The longest time for which no order is kept, in frames.
 const LONGEST_PAUSE: u32 = 64;
@@ -69,14 +69,20 @@ impl LeafOrder {
             self.pause = self.pause.saturating_sub(1);
             return Ordering::Sort;
         }
-        self.held_for += 1;
-        let is_worth_it = self.held_for >= PATIENCE && self.slots.len() <= MOST_GREEDY;
-        if is_worth_it && !self.is_greedy { Ordering::Improve } else { Ordering::Keep }
+        self.held_for = self.held_for.saturating_add(1);
+        if self.is_worth_improving() { Ordering::Improve } else { Ordering::Keep }
     }
 
-    /// Says for how many frames the order has served where nothing was to be built.
-    pub(super) fn has_held(&mut self, frame_count: u32) {
-        self.held_for = frame_count;
+    /// Takes note of a frame in which nothing was to be built. Returns whether it is time to build
+    /// all the same, for a better order.
+    pub(super) fn holds(&mut self) -> bool {
+        self.held_for = self.held_for.saturating_add(1);
+        self.held_for == PATIENCE && self.is_worth_improving()
+    }
+
+    fn is_worth_improving(&self) -> bool {
+        let can_be = 1..=MOST_GREEDY;
+        self.held_for >= PATIENCE && !self.is_greedy && can_be.contains(&self.slots.len())
     }
 
     /// Takes slots in a new order.

@@ -152,8 +152,7 @@ impl Occupancy {
         asked: mask32x16<S>,
     ) -> mask32x16<S> {
         let splat = u32x16::splat;
-        let (left, right) = (self.cells(simd, bounds[0], 0), self.cells(simd, bounds[1], 0));
-        let (low, high) = (self.cells(simd, bounds[2], 1), self.cells(simd, bounds[3], 1));
+        let [left, right, low, high] = self.box_cells(simd, bounds);
 
         // Three times 2^rise is at least the number of cells from one corner to the other.
         let size = (right - left).max(high - low);
@@ -188,8 +187,8 @@ impl Occupancy {
         bounds: &[f32x16<S>; 4],
         asked: mask32x16<S>,
     ) -> mask32x16<S> {
-        let (left, right) = (*self.cells(simd, bounds[0], 0), *self.cells(simd, bounds[1], 0));
-        let (low, high) = (*self.cells(simd, bounds[2], 1), *self.cells(simd, bounds[3], 1));
+        let [left, right, low, high] = self.box_cells(simd, bounds);
+        let (left, right, low, high) = (*left, *right, *low, *high);
         let (mut kept, mut lanes) = (0, asked.to_bitmask());
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
@@ -215,6 +214,17 @@ impl Occupancy {
             found |= (self.exact[word_idx] >> shift) | next;
         }
         found & wanted != 0
+    }
+
+    /// The first and the last column of boxes, the first and the last row.
+    #[inline(always)]
+    fn box_cells<S: Simd>(&self, simd: S, [x0, x1, y0, y1]: &[f32x16<S>; 4]) -> [u32x16<S>; 4] {
+        [
+            self.cells(simd, *x0, 0),
+            self.cells(simd, *x1, 0),
+            self.cells(simd, *y0, 1),
+            self.cells(simd, *y1, 1),
+        ]
     }
 
     /// The cells of coordinates along an axis.
