@@ -80,11 +80,11 @@ impl TreeBuilder {
             Ordering::Keep => {}
             Ordering::Improve => {
                 let slots = self.greedy.order(table, &order.slots);
-                order.replace(table, &wanted.triangles, slots, true);
+                order.replace(&wanted.triangles, slots, true);
             }
             Ordering::Sort => {
                 self.triangles.sort(level, table, &wanted.triangles);
-                order.replace(table, &wanted.triangles, self.triangles.slots(), false);
+                order.replace(&wanted.triangles, self.triangles.slots(), false);
             }
         }
     }
