@@ -67,21 +67,29 @@ fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
     use RayClass::{Ordered, SharedDirection, SharedOrigin, Unordered};
     match (kind, class) {
         (EngineKind::Brute, _) => Coefficients { fixed: 5_000.0, test: 0.2, ..NOTHING },
-        (EngineKind::Bvh, SharedOrigin | SharedDirection | Ordered) => {
-            Coefficients { fixed: 30_000.0, fresh_prim: 25.0, ray_level: 5.5, ..NOTHING }
+        (EngineKind::Bvh, SharedOrigin | SharedDirection) => {
+            Coefficients { fixed: 80_000.0, fresh_prim: 25.0, ray_level: 6.0, ..NOTHING }
+        }
+        (EngineKind::Bvh, Ordered) => {
+            Coefficients { fixed: 80_000.0, fresh_prim: 25.0, ray_level: 9.0, ..NOTHING }
         }
         (EngineKind::Bvh, Unordered) => Coefficients {
-            fixed: 30_000.0,
-            fresh_prim: 25.0,
-            ray: 20.0,
-            ray_level: 18.0,
+            fixed: 50_000.0,
+            fresh_prim: 20.0,
+            ray: 10.0,
+            ray_level: 23.0,
             ..NOTHING
         },
-        (EngineKind::Hierarchy, SharedOrigin) => {
-            Coefficients { fixed: 100_000.0, prim: 6.0, near_prim: 35.0, ray: 13.0, ..NOTHING }
-        }
+        (EngineKind::Hierarchy, SharedOrigin) => Coefficients {
+            fixed: 60_000.0,
+            prim: 8.0,
+            near_prim: 50.0,
+            ray: 5.0,
+            ray_level: 3.6,
+            ..NOTHING
+        },
         (EngineKind::Hierarchy, SharedDirection) => {
-            Coefficients { fixed: 100_000.0, prim: 6.0, near_prim: 90.0, ray: 22.0, ..NOTHING }
+            Coefficients { fixed: 60_000.0, prim: 5.0, near_prim: 57.0, ray_level: 10.0, ..NOTHING }
         }
         (EngineKind::Hierarchy, Ordered | Unordered) => {
             Coefficients { fixed: 100_000.0, prim: 20.0, ray: 300.0, test: 0.15, ..NOTHING }
