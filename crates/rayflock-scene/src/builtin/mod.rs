@@ -6,6 +6,7 @@
 //! | `museum3` ... `museum8` | `4^n` triangles, each on its own | you compare with the papers |
 //! | `shatter` | every triangle of a solid, from whole to rubble | no hierarchy could be refitted |
 //! | `crowd` | twelve skinned figures | you want animation as productions have it |
+//! | `stadium` | a teapot and four balls, rigidly, in an arena | sizes differ by a thousand |
 //!
 //! **Invariants.** A scene depends on nothing but its name: two builds are equal (other machines
 //! may round sines differently). Each has a camera, lights and at least 240 frames at its own
@@ -17,6 +18,7 @@ mod keyed_path;
 pub mod museum;
 mod random;
 mod shatter;
+mod stadium;
 mod surface_builder;
 #[cfg(test)]
 mod tests;
@@ -60,6 +62,11 @@ const BUILTINS: &[Builtin] = &[
         about: "a porcelain knot is struck and its 23,040 triangles fly off one by one",
         frame_count: shatter::FRAME_COUNT,
     },
+    Builtin {
+        name: "stadium",
+        about: "a teapot of 100,000 triangles turns in an arena one kilometer wide",
+        frame_count: stadium::FRAME_COUNT,
+    },
     museum("museum3", "64 triangles swarm and take shape in a mirrored hall"),
     museum("museum4", "256 triangles swarm and take shape in a mirrored hall"),
     museum("museum5", "1,024 triangles swarm and take shape in a mirrored hall"),
@@ -80,6 +87,7 @@ pub fn build(name: &str) -> Option<Scene> {
         "cornell" => Some(cornell::build()),
         "crowd" => Some(crowd::build()),
         "shatter" => Some(shatter::build()),
+        "stadium" => Some(stadium::build()),
         _ => museum::build(name.strip_prefix("museum")?.parse().ok()?),
     }
 }
