@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use rayflock::engine::subfields::{self, SubfieldsEngine};
 use rayflock::engine::{self, EngineKind, RayEngine};
 
 use crate::peer::PeerError;
@@ -12,13 +13,16 @@ use crate::peer::obvhs::ObvhsEngine;
 const EMBREE: &str = "embree";
 const BEST: &str = "best";
 const OBVHS: &str = "obvhs";
+const SUBFIELDS: &str = EngineKind::Subfields.name();
 
-/// An engine as it is asked for: `hierarchy`, `embree`, `embree:low+instances+packets`,
-/// `embree:best`, `obvhs`.
+/// An engine as it is asked for: `hierarchy`, `subfields:eager+list`, `embree`,
+/// `embree:low+instances+packets`, `embree:best`, `obvhs`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EngineSpec {
     /// One of ours.
     Own(EngineKind),
+    /// Parallel subfields with these settings.
+    Subfields(subfields::Config),
     /// Embree, used in this way.
     Embree(Setting),
     /// Embree in the way that is best for the work, found by trying.
@@ -37,6 +41,7 @@ impl EngineSpec {
     pub fn create(&self, library: Option<&EmbreeLibrary>) -> Result<Box<dyn RayEngine>, PeerError> {
         match *self {
             Self::Own(kind) => Ok(engine::create(kind)),
+            Self::Subfields(config) => Ok(Box::new(SubfieldsEngine::new(config))),
             Self::Embree(setting) => {
                 let library = library.cloned().map_or_else(|| EmbreeLibrary::load(None), Ok)?;
                 Ok(Box::new(EmbreeEngine::new(&library, setting)?))
@@ -44,6 +49,11 @@ impl EngineSpec {
             Self::EmbreeBest => Err(PeerError::BestOutsideBenchmark),
             Self::Obvhs => Ok(Box::new(ObvhsEngine::new())),
         }
+    }
+
+    /// Whether the engine is one of ours, which all agree to the bit.
+    pub const fn is_own(&self) -> bool {
+        matches!(self, Self::Own(_) | Self::Subfields(_))
     }
 
     /// Whether the engine needs the library Embree.
@@ -62,6 +72,7 @@ impl fmt::Display for EngineSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Own(kind) => write!(f, "{kind}"),
+            Self::Subfields(config) => write!(f, "{SUBFIELDS}:{config}"),
             Self::Embree(setting) => write!(f, "{EMBREE}:{setting}"),
             Self::EmbreeBest => write!(f, "{EMBREE}:{BEST}"),
             Self::Obvhs => f.write_str(OBVHS),
@@ -78,6 +89,9 @@ impl FromStr for EngineSpec {
             None if text == OBVHS => Ok(Self::Obvhs),
             Some((EMBREE, BEST)) => Ok(Self::EmbreeBest),
             Some((EMBREE, setting)) => setting.parse().map(Self::Embree),
+            Some((SUBFIELDS, setting)) => {
+                setting.parse().map(Self::Subfields).map_err(PeerError::Setting)
+            }
             _ => text
                 .parse()
                 .map(Self::Own)
@@ -98,7 +112,8 @@ mod tests {
     fn names_are_parsed_as_they_are_printed() {
         let own = EngineKind::ALL.map(EngineSpec::Own);
         let embree = Setting::all().into_iter().map(EngineSpec::Embree);
-        let others = [EngineSpec::EmbreeBest, EngineSpec::Obvhs];
+        let subfields = "eager+list+40".parse().map(EngineSpec::Subfields).unwrap();
+        let others = [subfields, EngineSpec::EmbreeBest, EngineSpec::Obvhs];
         for spec in own.into_iter().chain(embree).chain(others) {
             assert_eq!(parse(&spec.to_string()), Ok(spec));
         }
@@ -110,9 +125,10 @@ mod tests {
         for text in ["warp", "obvhs:fast", "embre:best", ""] {
             let message = parse(text).unwrap_err().to_string();
             assert!(message.contains(&format!("\"{text}\"")), "{message}");
-            assert!(message.contains("subfields, embree, embree:SETTING"), "{message}");
+            assert!(message.contains("subfields, subfields:SETTING, embree"), "{message}");
         }
         assert!(parse("embree:bset").unwrap_err().to_string().contains("\"bset\""));
+        assert!(parse("subfields:egaer").unwrap_err().to_string().contains("\"egaer\""));
     }
 
     #[test]

@@ -19,7 +19,6 @@ mod summarize;
 
 use std::sync::Arc;
 
-use rayflock::engine::EngineKind;
 use rayflock::render::{RenderError, RenderSettings, View};
 use rayflock::scene::{Evaluator, Scene, SceneFrame};
 use serde::Serialize;
@@ -148,7 +147,8 @@ impl MuseumBench {
 impl Record {
     /// Whether all engines of ours rendered the same films to the bit.
     pub fn same_films(&self) -> bool {
-        let is_own = |cell: &&Cell| cell.engine.parse::<EngineKind>().is_ok();
+        let spec = |cell: &Cell| cell.engine.parse::<EngineSpec>();
+        let is_own = |cell: &&Cell| spec(cell).is_ok_and(|spec| spec.is_own());
         self.cells.iter().filter(is_own).all(|cell| cell.mismatches == 0)
     }
 }
@@ -208,6 +208,8 @@ impl Stage<'_> {
 mod tests {
     use rayflock::render::View;
     use rayflock::scene::builtin;
+
+    use rayflock::engine::EngineKind;
 
     use super::*;
 

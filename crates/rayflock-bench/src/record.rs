@@ -79,6 +79,9 @@ pub struct Cell {
     pub counters: Counters,
     /// Bytes held by the engine, the most in any phase.
     pub memory_bytes: usize,
+    /// What only this engine tells about what it holds, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub facts: BTreeMap<String, f64>,
     /// One entry a phase (a frame, in a scene).
     pub phases: Vec<Phase>,
 }
@@ -139,6 +142,9 @@ pub struct Counters {
     pub box_tests: u64,
     /// Ray-triangle tests, in SIMD lanes.
     pub triangle_tests: u64,
+    /// Tiles of subfields visited.
+    #[serde(default)]
+    pub tiles: u64,
     /// Candidate pairs written.
     pub pairs: u64,
     /// Bytes read and written by tests and stages.
@@ -184,6 +190,20 @@ impl Cell {
         Some(times.iter().sum::<f64>() / times.len() as f64)
     }
 
+    /// How unevenly the frames' updates last: their standard deviation as a share of their mean.
+    pub fn update_variation(&self) -> Option<f64> {
+        let count = self.phases.len() as f64;
+        let mean = self.phases.iter().map(|phase| phase.commit_ms).sum::<f64>() / count;
+        let squares = self.phases.iter().map(|phase| (phase.commit_ms - mean).powi(2));
+        Some((squares.sum::<f64>() / count).sqrt() / mean).filter(|variation| variation.is_finite())
+    }
+
+    /// The update as a share of the whole picture's time, means over the frames.
+    pub fn update_share(&self) -> Option<f64> {
+        Some(self.commit_ms? / (self.total_ms? + self.shade_ms()?))
+            .filter(|share| share.is_finite())
+    }
+
     /// Pictures a second: update, trace and shade one after the other.
     pub fn frames_per_second(&self) -> Option<f64> {
         Some(1e3 / (self.total_ms? + self.shade_ms()?)).filter(|rate| rate.is_finite())
@@ -196,6 +216,7 @@ impl From<&TraceStats> for Counters {
             cone_tests: stats.cone_tests,
             box_tests: stats.box_tests,
             triangle_tests: stats.triangle_tests,
+            tiles: stats.tiles,
             pairs: stats.pairs,
             bytes: stats.bytes,
             allocations: None,

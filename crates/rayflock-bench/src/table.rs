@@ -97,6 +97,13 @@ fn summary(record: &Record) -> String {
         // Writing to a string cannot fail.
         let _ =
             writeln!(text, "{engine}{setting}{}: {} frames a second", cell.setting, short(rate));
+        if let (Some(share), Some(variation)) = (cell.update_share(), cell.update_variation()) {
+            let [share, variation] = [share, variation].map(|part| 100.0 * part);
+            let _ = writeln!(
+                text,
+                "updates of {engine}: {share:.1} % of the frame, varying by {variation:.0} %"
+            );
+        }
     }
     for ratio in &ratios.entries {
         let (engine, than) = (&ratio.ours.engine, &ratio.theirs.engine);

@@ -206,7 +206,8 @@ pub(crate) struct RenderArguments {
     pub(crate) stats: Option<PathBuf>,
 
     /// Tell which engine answered each batch of rays, how long it took, and what it and the others
-    /// were expected to take; needs the engine auto.
+    /// were expected to take; with the engine subfields, tell how many directions and nested objects
+    /// it holds.
     #[arg(long)]
     pub(crate) explain: bool,
 

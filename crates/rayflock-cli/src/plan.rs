@@ -178,10 +178,14 @@ fn check_edges(target: &Target, size: Size) -> Result<()> {
 
 fn check_explained(args: &RenderArguments) -> Result<()> {
     let engine = args.engine.engine;
-    let chooses = engine == EngineKind::Auto.into();
+    let explains = match engine {
+        EngineSpec::Own(kind) => matches!(kind, EngineKind::Auto | EngineKind::Subfields),
+        EngineSpec::Subfields(_) => true,
+        EngineSpec::Embree(_) | EngineSpec::EmbreeBest | EngineSpec::Obvhs => false,
+    };
     ensure!(
-        chooses || !args.explain,
-        "--explain tells what the engine auto chose, but --engine is {engine}"
+        explains || !args.explain,
+        "--explain tells what the engine auto chose, or what subfields holds, but --engine is {engine}"
     );
     Ok(())
 }

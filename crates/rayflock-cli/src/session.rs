@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Context;
-use rayflock::engine::{CommitStats, RayEngine};
+use rayflock::engine::{CommitStats, Fact, RayEngine};
 use rayflock::render::{Film, FrameRenderer, FrameStats, WhittedRenderer};
 use rayflock::scene::Evaluator;
 use tracing::debug_span;
@@ -65,6 +65,9 @@ impl Session {
             if self.plan.explain {
                 for choice in self.renderer.choices() {
                     progress.say(format_args!("frame {frame}: {choice}"));
+                }
+                for Fact { name, value } in self.renderer.facts() {
+                    progress.say(format_args!("frame {frame}: {name}: {value:.1}"));
                 }
             }
             let (path, format) = (names.path(frame), self.plan.target.frame_format());
@@ -149,6 +152,7 @@ fn record(
         box_tests: stats.trace.box_tests,
         triangle_tests: stats.trace.triangle_tests,
         sphere_tests: stats.trace.sphere_tests,
+        tiles: stats.trace.tiles,
         pairs: stats.trace.pairs,
         bytes: stats.trace.bytes,
         allocations: held.allocations,

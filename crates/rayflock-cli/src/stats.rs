@@ -41,6 +41,9 @@ pub(crate) struct FrameRecord {
     pub(crate) triangle_tests: u64,
     /// Ray-sphere tests.
     pub(crate) sphere_tests: u64,
+    /// Tiles of subfields visited.
+    #[serde(default)]
+    pub(crate) tiles: u64,
     /// Candidates that the engine wrote down.
     #[serde(default)]
     pub(crate) pairs: u64,

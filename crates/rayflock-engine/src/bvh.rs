@@ -58,6 +58,7 @@ use rayflock_geom::simd::ray_boxes::BoxBounds;
 use rayflock_geom::simd::{LANES, dispatch};
 use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch, RayOrder};
 use tracing::debug_span;
+use web_time::Instant;
 
 pub use config::Config;
 
@@ -101,19 +102,23 @@ impl BvhEngine {
         self.fresh_is_built = false;
         let change = self.parts.divide(self.table.geometry(), self.table.spans());
         if change == KeptChange::Build || self.kept.order.holds() {
-            self.wanted.list(&self.table, self.parts.places(), |place| place == Place::Kept);
+            let places = self.parts.places();
+            self.wanted.list(self.table.spans(), |idx| places[idx] == Place::Kept);
             self.builder.build(self.config.simd, &self.table, &self.wanted, &mut self.kept);
         }
     }
 
-    /// Builds the fresh tree, once a frame.
-    fn build_fresh(&mut self) {
+    /// Builds the fresh tree, once a frame; returns the nanoseconds that it took.
+    fn build_fresh(&mut self) -> u64 {
+        let start = Instant::now();
         if !self.fresh_is_built {
             let _span = debug_span!("build_tree").entered();
             self.fresh_is_built = true;
-            self.wanted.list(&self.table, self.parts.places(), |place| place != Place::Kept);
+            let places = self.parts.places();
+            self.wanted.list(self.table.spans(), |idx| places[idx] != Place::Kept);
             self.builder.build(self.config.simd, &self.table, &self.wanted, &mut self.fresh);
         }
+        start.elapsed().as_nanos() as u64
     }
 
     /// The box around everything in the trees.
@@ -140,7 +145,7 @@ impl BvhEngine {
         if rays.is_empty() {
             return TraceStats::default();
         }
-        self.build_fresh();
+        let update_ns = self.build_fresh();
         let asked = BlockQuestion {
             table: &self.table,
             batch: rays,
@@ -152,7 +157,7 @@ impl BvhEngine {
         let prim_count = self.fresh.triangle_leaves.len() * LANES;
         let block_len = block_len(rays.len(), prim_count, asked.group_width > 0.0);
         let _span = debug_span!("trace_blocks").entered();
-        self.trace_part(&asked, block_len, 0, answers)
+        TraceStats { update_ns, ..self.trace_part(&asked, block_len, 0, answers) }
     }
 
     /// Answers the rays from `first_ray` on, in parallel.

@@ -54,6 +54,20 @@ pub trait RayEngine: Debug + Send {
     fn choices(&self) -> &[Choice] {
         &[]
     }
+
+    /// Numbers about what the engine holds that only this engine has.
+    fn facts(&self) -> Vec<Fact> {
+        Vec::new()
+    }
+}
+
+/// A number about what an engine holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fact {
+    /// What is counted, in words.
+    pub name: &'static str,
+    /// How many.
+    pub value: f64,
 }
 
 /// The engines, by name.
@@ -113,6 +127,16 @@ pub enum EngineError {
     /// No engine has this name.
     #[error("unknown engine \"{0}\"; there are: {names}", names = engine_names())]
     UnknownEngine(String),
+    /// An engine has no setting of this name.
+    #[error("the engine {engine} has no setting \"{found}\"; there are: {expected}")]
+    UnknownSetting {
+        /// The engine.
+        engine: &'static str,
+        /// What was asked for.
+        found: String,
+        /// What there is.
+        expected: String,
+    },
     /// The geometry holds something that this engine does not know.
     #[error("the engine {engine} does not support {what}")]
     Unsupported {
@@ -168,12 +192,18 @@ pub struct TraceStats {
     pub sphere_tests: u64,
     /// Rays handed to user primitives.
     pub user_tests: u64,
+    /// Tiles of subfields that rays visited.
+    pub tiles: u64,
     /// Candidate pairs of a group of rays and a primitive or group of primitives that an engine
     /// wrote down for its next stage.
     pub pairs: u64,
     /// Bytes of primitives, bounds and candidate lists that tests read and stages wrote. Rays,
     /// bounds of rays and hits are not counted, nor what user primitives read.
     pub bytes: u64,
+    /// Nanoseconds spent on the geometry of the frame, because this batch was the first to need
+    /// it so: trees built, subfields brought up to date. Work of several batches at once counts
+    /// as long as it takes.
+    pub update_ns: u64,
     /// Nanoseconds spent on bringing rays and hits into and out of the layout of a foreign
     /// library, which its own users would not spend. Benchmarks subtract it; engines of this
     /// crate leave it 0.
@@ -192,8 +222,10 @@ impl Add for TraceStats {
             triangle_tests: self.triangle_tests + other.triangle_tests,
             sphere_tests: self.sphere_tests + other.sphere_tests,
             user_tests: self.user_tests + other.user_tests,
+            tiles: self.tiles + other.tiles,
             pairs: self.pairs + other.pairs,
             bytes: self.bytes + other.bytes,
+            update_ns: self.update_ns + other.update_ns,
             conversion_ns: self.conversion_ns + other.conversion_ns,
         }
     }

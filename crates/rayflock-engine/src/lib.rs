@@ -50,7 +50,7 @@ pub mod subfields;
 mod triangle_leaf;
 mod wanted;
 
-pub use engine::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
+pub use engine::{CommitStats, EngineError, EngineKind, Fact, RayEngine, TraceStats};
 
 /// Makes an engine with its default settings and an empty frame.
 pub fn create(kind: EngineKind) -> Box<dyn RayEngine> {

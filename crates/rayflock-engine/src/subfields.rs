@@ -4,6 +4,7 @@
 //! direction may hit there; rays that go about along it walk over some tiles.
 //!
 //! ```text
+//!   policy            when subfields are brought up to date: on demand, eagerly, or under locks
 //!   sort_directions   rays by the nearest direction of a direction_set, unless they share one
 //!   prepare (store)   the subfields of the directions that occur: what rests is written once, what
 //!                     moves each frame, once, when a ray first wants it
@@ -13,6 +14,7 @@
 //!   trace_walking     other rays: walk_tiles, from near to far
 //!     meet_tile         one ray against the leaves between two depths
 //!     ray_group         sixteen rays against spheres and user primitives
+//!   trace_nests       the same in object space, for nested objects (nests, nest_place)
 //!   answer            hand the hits over
 //! ```
 //!
@@ -38,45 +40,46 @@
 //! primitives, and about 150 bytes each for a direction. 64K triangles take 3 ms for a direction
 //! (two AVX-512 server cores); a ray along it, about 40 ns of a core for each leaf.
 
+mod asked;
 mod bin_triangles;
 mod build_grid;
 mod config;
 mod direction_set;
+mod fields;
 mod fill_block;
+mod hand_over;
+mod lock;
 mod meet_tile;
+mod nest_place;
+mod nests;
+mod policy;
 mod ray_group;
+mod setting;
 mod sort_directions;
 mod store;
 mod subfield;
 mod tile_grid;
 mod trace_aligned;
+mod trace_nests;
 mod trace_walking;
 mod walk_tiles;
 
 use glam::Vec3;
-use rayflock_geom::simd::dispatch;
 use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch};
-use rayon::prelude::*;
-use tracing::debug_span;
 
-pub use config::Config;
+pub use config::{Config, Nesting, TileOrder, UpdatePolicy};
 pub use direction_set::{DirectionLayout, DirectionSet};
 
-use self::ray_group::{Asked, RayGroup};
-use self::sort_directions::{DirectionSorter, Run};
-use self::store::{Contents, SubfieldStore, bytes_for};
-use self::trace_aligned::trace_aligned;
-use self::trace_walking::trace_walking;
+use self::asked::{Asked, RayList};
+use self::fields::Fields;
+use self::nests::Nests;
+use self::trace_nests::NestTracer;
 use crate::answer::{offer_hits, tell_occluded};
 use crate::answers::Answers;
 use crate::packet::Question;
 use crate::parts::{KeptChange, Parts, Place};
 use crate::primitives::PrimitiveTable;
-use crate::scratch::Scratch;
-use crate::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
-
-/// Rays that one task traces.
-const RAYS_PER_TASK: usize = 1024;
+use crate::{CommitStats, EngineError, EngineKind, Fact, RayEngine, TraceStats};
 
 /// Traces rays through grids, one for each direction.
 #[derive(Debug, Default)]
@@ -84,114 +87,63 @@ pub struct SubfieldsEngine {
     config: Config,
     table: PrimitiveTable,
     parts: Parts,
-    contents: Contents,
-    store: SubfieldStore,
-    sorter: DirectionSorter,
+    /// Of what is not nested.
+    fields: Fields,
+    nests: Nests,
+    nest_tracer: NestTracer,
+    /// Positions of the objects that rest in the grids.
+    kept_objects: Vec<usize>,
     answers: Answers,
-    groups: Scratch<RayGroup>,
 }
 
 impl SubfieldsEngine {
     /// An engine with an empty frame.
     pub fn new(config: Config) -> Self {
-        Self { config, table: PrimitiveTable::new(config.simd), ..Self::default() }
+        let (table, fields) = (PrimitiveTable::new(config.simd), Fields::new(config));
+        Self { config, table, fields, ..Self::default() }
     }
 
-    /// Answers a batch; `t_bound` tells beyond which hits are of no interest.
+    /// Lists what is in the grids of the scene, and stamps what changed.
+    fn list_contents(&mut self, change: KeptChange) {
+        let (spans, places, nests) = (self.table.spans(), self.parts.places(), &self.nests);
+        let is_kept = |idx: usize| places[idx] == Place::Kept && !nests.is_nested(idx);
+        let contents = &mut self.fields.contents;
+        contents.frame += 1;
+        let is_same =
+            self.kept_objects.iter().copied().eq((0..spans.len()).filter(|&i| is_kept(i)));
+        if change == KeptChange::Build || !is_same {
+            self.kept_objects.clear();
+            self.kept_objects.extend((0..spans.len()).filter(|&idx| is_kept(idx)));
+            contents.kept_frame = contents.frame;
+            contents.kept.list(spans, is_kept);
+        }
+        contents.moving.list(spans, |idx| places[idx] != Place::Kept && !nests.is_nested(idx));
+    }
+
+    /// Answers a batch; `t_bounds`, if any, tell for each ray beyond which hits are of no interest.
     fn trace(
         &mut self,
         rays: &RayBatch<'_>,
         question: Question,
-        t_bound: &(impl Fn(usize) -> f32 + Sync),
+        t_bounds: Option<&[f32]>,
     ) -> TraceStats {
+        if rays.is_empty() {
+            return TraceStats::default();
+        }
         let shared = rays.direction().uniform();
         let shared = shared.filter(|shared| shared.is_finite() && *shared != Vec3::ZERO);
         self.answers.begin(rays.len(), question);
-        match shared {
-            Some(direction) => self.trace_aligned(rays, direction, question, t_bound),
-            None => self.trace_walking(rays, question, t_bound),
-        }
-    }
-
-    /// Answers a batch whose rays share a direction.
-    fn trace_aligned(
-        &mut self,
-        rays: &RayBatch<'_>,
-        direction: Vec3,
-        question: Question,
-        t_bound: &(impl Fn(usize) -> f32 + Sync),
-    ) -> TraceStats {
-        let (simd, budget) = (self.config.simd, self.config.budget);
-        let place = self.store.prepare(simd, &self.table, &self.contents, &[direction], budget)[0];
-        let _span = debug_span!("trace_aligned").entered();
-        let asked = Asked { table: &self.table, batch: rays, question };
-        let (subfield, groups) = (self.store.get(place), &self.groups);
-        let answers = &self.answers;
-        let tasks = (0..rays.len().div_ceil(RAYS_PER_TASK)).into_par_iter();
-        let counted = tasks.map(|task_idx| {
-            let mut group = groups.take();
-            group.stats = TraceStats::default();
-            let first_ray = task_idx * RAYS_PER_TASK;
-            let part = first_ray..(first_ray + RAYS_PER_TASK).min(rays.len());
-            dispatch!(simd.level(), simd => {
-                trace_aligned(simd, &asked, subfield, &mut group, part, t_bound, answers);
-            });
-            let stats = group.stats;
-            groups.give_back(group);
-            stats
-        });
-        counted.reduce(TraceStats::default, |a, b| a + b)
-    }
-
-    /// Answers a batch whose rays go all ways: direction by direction.
-    fn trace_walking(
-        &mut self,
-        rays: &RayBatch<'_>,
-        question: Question,
-        t_bound: &(impl Fn(usize) -> f32 + Sync),
-    ) -> TraceStats {
-        let prim_count = self.table.geometry().prim_count();
-        self.sorter.choose(&self.config, rays.len(), prim_count);
-        let mut stats = self.sorter.sort(rays, &self.answers);
-        let at_once = (self.config.budget / bytes_for(&self.table)).max(1);
-        for runs in self.sorter.runs().chunks(at_once) {
-            let directions: Vec<Vec3> = runs.iter().map(|run| run.direction).collect();
-            let (simd, budget) = (self.config.simd, self.config.budget);
-            let places = self.store.prepare(simd, &self.table, &self.contents, &directions, budget);
-            stats += self.trace_runs(rays, question, t_bound, runs, &places);
-        }
+        let (table, answers) = (&self.table, &self.answers);
+        let asked =
+            Asked { table, batch: rays, question, t_bounds, answers, place: None, everywhere: &[] };
+        let policy = self.config.policy.policy();
+        let mut stats = match shared {
+            Some(direction) => self.fields.trace_aligned(table, &asked, direction),
+            None => policy.trace(&mut self.fields, table, &asked, RayList::All(rays.len())),
+        };
+        stats += self.nest_tracer.trace(&mut self.nests, policy, &asked, shared);
+        stats.update_ns += self.fields.take_update_ns() + self.nests.take_update_ns();
         stats
-    }
-
-    /// Traces the rays of some directions whose subfields are ready.
-    fn trace_runs(
-        &self,
-        rays: &RayBatch<'_>,
-        question: Question,
-        t_bound: &(impl Fn(usize) -> f32 + Sync),
-        runs: &[Run],
-        places: &[usize],
-    ) -> TraceStats {
-        let _span = debug_span!("trace_walking").entered();
-        let asked = Asked { table: &self.table, batch: rays, question };
-        let level = self.config.simd.level();
-        let tasks = runs.par_iter().zip(places).flat_map_iter(|(run, &place)| {
-            let starts = run.entries.clone().step_by(RAYS_PER_TASK);
-            starts.map(move |start| (place, start..(start + RAYS_PER_TASK).min(run.entries.end)))
-        });
-        let counted = tasks.map(|(place, entries)| {
-            let mut group = self.groups.take();
-            group.stats = TraceStats::default();
-            let ray_idx = self.sorter.ray_idx(entries);
-            let subfield = self.store.get(place);
-            dispatch!(level, simd => {
-                trace_walking(simd, &asked, subfield, &mut group, ray_idx, t_bound, &self.answers);
-            });
-            let stats = group.stats;
-            self.groups.give_back(group);
-            stats
-        });
-        counted.reduce(TraceStats::default, |a, b| a + b)
     }
 }
 
@@ -206,27 +158,26 @@ impl RayEngine for SubfieldsEngine {
         changes: &FrameChanges,
     ) -> Result<CommitStats, EngineError> {
         let stats = self.table.commit(geometry, changes);
-        let contents = &mut self.contents;
-        contents.frame += 1;
-        if self.parts.divide(self.table.geometry(), self.table.spans()) == KeptChange::Build {
-            contents.kept_frame = contents.frame;
-            contents.kept.list(&self.table, self.parts.places(), |place| place == Place::Kept);
-        }
-        contents.moving.list(&self.table, self.parts.places(), |place| place != Place::Kept);
+        let change = self.parts.divide(self.table.geometry(), self.table.spans());
+        self.nests.choose(&self.config, self.table.geometry(), self.table.spans());
+        self.list_contents(change);
+        let policy = self.config.policy.policy();
+        self.fields.sorter.begin_frame();
+        policy.begin_frame(&mut self.fields, &self.table);
+        self.nests.begin_frame(policy);
         Ok(stats)
     }
 
     fn closest_hit(&mut self, rays: &RayBatch<'_>, hits: &mut Hits<'_>) -> TraceStats {
         assert!(hits.has_len(rays.len()), "every column must have one entry for each ray");
-        let bounds: &[f32] = hits.t;
-        let stats = self.trace(rays, Question::Closest, &|ray_idx| bounds[ray_idx]);
+        let stats = self.trace(rays, Question::Closest, Some(hits.t));
         offer_hits(&self.table, |ray_idx| self.answers.nearest(ray_idx), hits);
         stats
     }
 
     fn occluded(&mut self, rays: &RayBatch<'_>, occluded: &mut [bool]) -> TraceStats {
         assert_eq!(occluded.len(), rays.len(), "there must be one answer for each ray");
-        let stats = self.trace(rays, Question::Occluded, &|_| f32::INFINITY);
+        let stats = self.trace(rays, Question::Occluded, None);
         tell_occluded(|ray_idx| self.answers.is_occluded(ray_idx), occluded);
         stats
     }
@@ -234,10 +185,21 @@ impl RayEngine for SubfieldsEngine {
     fn memory_usage(&self) -> usize {
         self.table.memory_usage()
             + self.parts.memory_usage()
-            + self.contents.memory_usage()
-            + self.store.memory_usage()
-            + self.sorter.memory_usage()
+            + self.fields.memory_usage()
+            + self.nests.memory_usage()
+            + self.nest_tracer.memory_usage()
+            + self.kept_objects.capacity() * size_of::<usize>()
             + self.answers.memory_usage()
-            + self.groups.sum(RayGroup::memory_usage)
+    }
+
+    fn facts(&self) -> Vec<Fact> {
+        let directions = self.fields.store.len();
+        let prim_count = self.fields.contents.prim_count().max(1);
+        let each = self.fields.store.grid_bytes() as f64 / (directions.max(1) * prim_count) as f64;
+        vec![
+            Fact { name: "directions held", value: directions as f64 },
+            Fact { name: "bytes a primitive and direction", value: each },
+            Fact { name: "nested objects", value: self.nests.place_count() as f64 },
+        ]
     }
 }

@@ -2,8 +2,7 @@
 
 use rayflock_geom::simd::LANES;
 
-use crate::parts::Place;
-use crate::primitives::PrimitiveTable;
+use crate::primitives::ObjectSpan;
 
 /// Some primitives of a block of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,23 +20,19 @@ pub(crate) struct Wanted {
 }
 
 impl Wanted {
-    /// Lists the primitives of the objects whose place is `chosen`.
-    pub(crate) fn list(
-        &mut self,
-        table: &PrimitiveTable,
-        places: &[Place],
-        chosen: impl Fn(Place) -> bool,
-    ) {
+    /// Lists the primitives of the objects that are `chosen`, by their positions in the frame.
+    pub(crate) fn list(&mut self, spans: &[ObjectSpan], chosen: impl Fn(usize) -> bool) {
         self.triangles.clear();
         self.others.clear();
-        for (span, _) in table.spans().iter().zip(places).filter(|&(_, &place)| chosen(place)) {
+        let spans = || (0..).zip(spans).filter(|&(idx, _)| chosen(idx)).map(|(_, span)| span);
+        for span in spans() {
             let (first, count) = (&span.first_slot, &span.count);
             push_slots(&mut self.triangles, first.triangles, count.triangles);
         }
-        for (span, _) in table.spans().iter().zip(places).filter(|&(_, &place)| chosen(place)) {
+        for span in spans() {
             push_slots(&mut self.others, span.first_slot.spheres, span.count.spheres);
         }
-        for (span, _) in table.spans().iter().zip(places).filter(|&(_, &place)| chosen(place)) {
+        for span in spans() {
             push_slots(&mut self.others, span.first_slot.users, span.count.users);
         }
     }

@@ -34,6 +34,7 @@ pub mod triangle_lanes;
 pub mod triangle_rows;
 
 use std::fmt;
+use std::hash::{Hash, Hasher};
 
 use fearless_simd::f32x4;
 pub use fearless_simd::prelude::*;
@@ -108,6 +109,14 @@ impl Default for SimdLevel {
 impl PartialEq for SimdLevel {
     fn eq(&self, other: &Self) -> bool {
         self.name() == other.name()
+    }
+}
+
+impl Eq for SimdLevel {}
+
+impl Hash for SimdLevel {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.name().hash(state);
     }
 }
 

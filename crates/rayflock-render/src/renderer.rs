@@ -2,8 +2,8 @@
 
 use std::fmt::Debug;
 
-use rayflock_engine::CommitStats;
 use rayflock_engine::auto::Choice;
+use rayflock_engine::{CommitStats, Fact};
 use rayflock_scene::{Scene, SceneFrame};
 
 use crate::{Film, FrameStats, RenderError, RenderSettings, View};
@@ -32,5 +32,10 @@ pub trait FrameRenderer: Debug + Send {
     /// nothing was chosen.
     fn choices(&self) -> &[Choice] {
         &[]
+    }
+
+    /// Numbers about what the engine holds that only this engine has.
+    fn facts(&self) -> Vec<Fact> {
+        Vec::new()
     }
 }

@@ -18,7 +18,7 @@
 use std::ops::Range;
 
 use rayflock_engine::auto::Choice;
-use rayflock_engine::{CommitStats, RayEngine};
+use rayflock_engine::{CommitStats, Fact, RayEngine};
 use rayflock_geom::HitBuffer;
 use rayflock_scene::{Background, LightKind, Scene, SceneFrame};
 use tracing::debug_span;
@@ -116,6 +116,10 @@ impl FrameRenderer for WhittedRenderer {
 
     fn choices(&self) -> &[Choice] {
         self.engine.choices()
+    }
+
+    fn facts(&self) -> Vec<Fact> {
+        self.engine.facts()
     }
 }
 

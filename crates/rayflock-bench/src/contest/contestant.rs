@@ -1,6 +1,6 @@
 //! One engine under measurement.
 
-use rayflock::engine::{EngineError, RayEngine};
+use rayflock::engine::{EngineError, Fact, RayEngine};
 use rayflock::geom::Geometry;
 use tracing::debug_span;
 
@@ -38,6 +38,7 @@ pub(super) struct PhaseSamples {
     pub(super) judged: Judged,
     pub(super) counters: Counters,
     pub(super) memory_bytes: usize,
+    pub(super) facts: Vec<Fact>,
 }
 
 /// One turn.
@@ -125,6 +126,7 @@ impl Contestant {
             phase.samples.push(Sample { commit, trace: traced.cost });
             phase.counters = Counters::from(&traced.stats);
             phase.memory_bytes = phase.memory_bytes.max(memory_bytes);
+            phase.facts = self.engine.facts();
         }
     }
 

@@ -29,11 +29,11 @@ impl Entry {
         library: Option<&EmbreeLibrary>,
         meter: Meter,
     ) -> Result<Self, BenchError> {
-        let is_own = matches!(spec, EngineSpec::Own(_));
+        let is_own = spec.is_own();
         let setting = match spec {
             EngineSpec::Embree(setting) => setting.to_string(),
             EngineSpec::EmbreeBest => return Ok(Self::with(spec, Vec::new(), meter)),
-            EngineSpec::Own(_) | EngineSpec::Obvhs => String::new(),
+            EngineSpec::Own(_) | EngineSpec::Subfields(_) | EngineSpec::Obvhs => String::new(),
         };
         let engine = spec.create(library)?;
         let contestant = Contestant::new(&spec.to_string(), &setting, is_own, engine, meter);

@@ -1,5 +1,9 @@
 //! From samples to a cell: medians over the rounds of a phase, means over the phases.
 
+use std::collections::BTreeMap;
+
+use rayflock::engine::Fact;
+
 use super::contestant::{Contestant, PhaseSamples, Sample};
 use super::meter::Cost;
 use super::piece::{Piece, PiecePhase};
@@ -38,9 +42,15 @@ pub(super) fn summarize(piece: &Piece, contestant: &Contestant) -> Cell {
         skipped: contestant.skipped.clone(),
         counters: mean_counters(&phases),
         memory_bytes: contestant.phases.iter().map(|phase| phase.memory_bytes).max().unwrap_or(0),
+        facts: contestant.phases.last().map_or_else(Default::default, |phase| named(&phase.facts)),
         phases,
         ..unmeasured(piece, &contestant.name)
     }
+}
+
+/// Facts by name.
+pub(crate) fn named(facts: &[Fact]) -> BTreeMap<String, f64> {
+    facts.iter().map(|fact| (fact.name.to_owned(), fact.value)).collect()
 }
 
 /// A cell with nothing measured.
@@ -110,6 +120,7 @@ pub(crate) fn mean_counters(phases: &[Phase]) -> Counters {
         cone_tests: mean(|counters| counters.cone_tests),
         box_tests: mean(|counters| counters.box_tests),
         triangle_tests: mean(|counters| counters.triangle_tests),
+        tiles: mean(|counters| counters.tiles),
         pairs: mean(|counters| counters.pairs),
         bytes: mean(|counters| counters.bytes),
         allocations: phases.iter().map(|phase| phase.counters.allocations).max().flatten(),

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use rayflock::engine::RayEngine;
+use rayflock::engine::{Fact, RayEngine};
 use rayflock::render::{
     Film, FrameRenderer, FrameStats, RenderError, RenderSettings, View, WhittedRenderer,
 };
@@ -29,7 +29,8 @@ pub(super) struct Contestant {
 /// One frame, rendered once.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
-    /// Making the geometry the current one, in milliseconds.
+    /// Making the geometry the current one, in milliseconds: `commit`, and what the engine left to
+    /// do for the first batch.
     pub(super) commit_ms: f64,
     /// Tracing the rays, in milliseconds.
     pub(super) trace_ms: f64,
@@ -65,10 +66,9 @@ impl Contestant {
     ) -> Result<Self, PeerError> {
         let setting = match spec {
             EngineSpec::Embree(setting) => setting.to_string(),
-            EngineSpec::Own(_) | EngineSpec::EmbreeBest | EngineSpec::Obvhs => String::new(),
+            _ => String::new(),
         };
-        let is_own = matches!(spec, EngineSpec::Own(_));
-        Ok(Self::of(spec.to_string(), setting, is_own, spec.create(library)?, size))
+        Ok(Self::of(spec.to_string(), setting, spec.is_own(), spec.create(library)?, size))
     }
 
     fn of(
@@ -92,6 +92,11 @@ impl Contestant {
     /// What was measured, in the order of time.
     pub(super) fn samples(&self) -> &[Sample] {
         &self.samples
+    }
+
+    /// What the engine tells about what it holds.
+    pub(super) fn facts(&self) -> Vec<Fact> {
+        self.renderer.facts()
     }
 
     /// Mean of update and tracing over everything measured, in milliseconds.
@@ -123,9 +128,10 @@ impl Contestant {
         let commit_ms = 1e3 * start.elapsed().as_secs_f64() - milliseconds(commit.conversion_ns);
         let stats = self.renderer.render(view, settings, &mut self.film);
         let trace_ms = 1e3 * stats.trace_seconds - milliseconds(stats.trace.conversion_ns);
+        let late_ms = milliseconds(stats.trace.update_ns).min(trace_ms.max(0.0));
         self.samples.push(Sample {
-            commit_ms: commit_ms.max(0.0),
-            trace_ms: trace_ms.max(0.0),
+            commit_ms: commit_ms.max(0.0) + late_ms,
+            trace_ms: trace_ms.max(0.0) - late_ms,
             shade_ms: 1e3 * stats.shade_seconds,
             triangles: commit.prim_count,
             stats,

@@ -5,7 +5,7 @@ use rayflock::render::RayCounts;
 use super::MuseumBench;
 use super::contestant::{Contestant, Sample};
 use crate::Quartiles;
-use crate::contest::{NOISY, mean_counters, spread};
+use crate::contest::{NOISY, mean_counters, named, spread};
 use crate::ratio::PICTURE;
 use crate::record::{Cell, Counters, Phase, RaysByKind};
 
@@ -39,6 +39,7 @@ pub(super) fn summarize(bench: &MuseumBench, contestant: &Contestant) -> Cell {
         mismatches: phases.iter().map(|phase| phase.mismatches).sum(),
         counters: mean_counters(&phases),
         memory_bytes: memory.max().unwrap_or(0),
+        facts: named(&contestant.facts()),
         phases,
         ..Cell::default()
     }

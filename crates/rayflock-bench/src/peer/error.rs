@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use rayflock::engine::EngineKind;
+use rayflock::engine::{EngineError, EngineKind};
 use thiserror::Error;
 
 /// Why an engine of others cannot be had.
@@ -11,10 +11,14 @@ use thiserror::Error;
 pub enum PeerError {
     /// The text names no engine.
     #[error(
-        "unknown engine \"{0}\"; there are: {own}, embree, embree:SETTING, embree:best, obvhs",
+        "unknown engine \"{0}\"; there are: {own}, subfields:SETTING, embree, embree:SETTING, \
+         embree:best, obvhs",
         own = EngineKind::ALL.map(EngineKind::name).join(", ")
     )]
     UnknownEngine(String),
+    /// A setting of an engine of ours is not known.
+    #[error(transparent)]
+    Setting(EngineError),
     /// A word of a setting is not known.
     #[error(
         "\"{word}\" in the setting \"{setting}\" of Embree is not known; expected words joined by \

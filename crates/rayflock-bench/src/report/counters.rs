@@ -23,6 +23,7 @@ pub(super) fn section(record: &Record) -> Markup {
                     details {
                         summary { (engine) ", for each ray" }
                         (table(record.cells.iter().filter(counted).filter(|c| c.engine == engine)))
+                        (facts(record.cells.iter().filter(|c| c.engine == engine)))
                     }
                 }
             }
@@ -36,11 +37,29 @@ fn table<'a>(cells: impl Iterator<Item = &'a Cell>) -> Markup {
             thead { tr {
                 th { "rays" } th.number { "triangles" } th.number { "rays" }
                 th.number { "cone tests" } th.number { "box tests" } th.number { "triangle tests" }
-                th.number { "pairs" } th.number { "bytes" } th.number { "allocations a frame" }
+                th.number { "tiles" } th.number { "pairs" } th.number { "bytes" } th.number { "allocations a frame" }
                 th.number { "memory" }
             } }
             tbody { @for cell in cells { (row(cell)) } }
         } }
+    }
+}
+
+/// What an engine tells about what it holds: a line a cell, nothing where it tells nothing.
+fn facts<'a>(cells: impl Iterator<Item = &'a Cell>) -> Markup {
+    let cells: Vec<&Cell> = cells.filter(|cell| !cell.facts.is_empty()).collect();
+    html! {
+        @if !cells.is_empty() {
+            ul { @for cell in cells {
+                li {
+                    (cell.kind) ", " (count(cell.triangles as u64)) " triangles: "
+                    @for (idx, (name, value)) in cell.facts.iter().enumerate() {
+                        @if idx > 0 { ", " }
+                        (factor(*value)) " " (name)
+                    }
+                }
+            } }
+        }
     }
 }
 
@@ -53,7 +72,7 @@ fn row(cell: &Cell) -> Markup {
             td { (cell.kind) } td.number { (count(cell.triangles as u64)) }
             td.number { (count(cell.rays)) }
             @for number in [counters.cone_tests, counters.box_tests, counters.triangle_tests,
-                            counters.pairs, counters.bytes] {
+                            counters.tiles, counters.pairs, counters.bytes] {
                 td.number { (per_ray(number)) }
             }
             td.number { (allocations) } td.number { (bytes(cell.memory_bytes)) }

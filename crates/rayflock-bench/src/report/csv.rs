@@ -5,7 +5,7 @@ use csv::Writer;
 use crate::ratio::{Ratio, Ratios};
 use crate::record::{Cell, Record};
 
-const HEADING: [&str; 29] = [
+const HEADING: [&str; 30] = [
     "benchmark",
     "scene",
     "kind",
@@ -30,6 +30,7 @@ const HEADING: [&str; 29] = [
     "cone_tests",
     "box_tests",
     "triangle_tests",
+    "tiles",
     "pairs",
     "bytes",
     "allocations",
@@ -53,7 +54,7 @@ pub fn csv(record: &Record) -> String {
     text
 }
 
-fn row(record: &Record, ratios: &Ratios<'_>, cell: &Cell) -> [String; 29] {
+fn row(record: &Record, ratios: &Ratios<'_>, cell: &Cell) -> [String; 30] {
     let optional = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
     let ratio = ratios.get(&cell.engine, &cell.work());
     let (judged, counters) = (&cell.judged, &cell.counters);
@@ -82,6 +83,7 @@ fn row(record: &Record, ratios: &Ratios<'_>, cell: &Cell) -> [String; 29] {
         counters.cone_tests.to_string(),
         counters.box_tests.to_string(),
         counters.triangle_tests.to_string(),
+        counters.tiles.to_string(),
         counters.pairs.to_string(),
         counters.bytes.to_string(),
         counters.allocations.map_or_else(String::new, |count| count.to_string()),

@@ -26,6 +26,8 @@ pub(super) fn sections(record: &Record) -> Result<Markup, BenchError> {
         }
         section {
             h2 { "Means over the frames" }
+            p.note { "Variation is the standard deviation of the frames' updates, share is the "
+                     "update's part of the picture's time." }
             (means(record))
         }
         (map::overview(record, &ratios))
@@ -82,7 +84,8 @@ fn means(record: &Record) -> Markup {
     html! {
         div.scroll { table.figures {
             thead { tr {
-                th { "engine" } th { "setting" } th.number { "update ms" } th.number { "trace ms" }
+                th { "engine" } th { "setting" } th.number { "update ms" }
+                th.number { "variation" } th.number { "share" } th.number { "trace ms" }
                 th.number { "shade ms" } th.number { "frames a second" } th.number { "rays a frame" }
             } }
             tbody { @for cell in &record.cells { (mean_row(cell)) } }
@@ -92,10 +95,16 @@ fn means(record: &Record) -> Markup {
 
 fn mean_row(cell: &Cell) -> Markup {
     let optional = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), milliseconds);
+    let percent = |share: Option<f64>| {
+        share.map_or_else(|| "–".to_owned(), |share| format!("{:.0} %", 100.0 * share))
+    };
     html! {
         tr {
             td { (cell.engine) } td { code { (cell.setting) } }
-            td.number { (optional(cell.commit_ms)) } td.number { (optional(cell.trace_ms)) }
+            td.number { (optional(cell.commit_ms)) }
+            td.number { (percent(cell.update_variation())) }
+            td.number { (percent(cell.update_share())) }
+            td.number { (optional(cell.trace_ms)) }
             td.number { (optional(cell.shade_ms())) }
             td.number { strong { (cell.frames_per_second().map_or_else(|| "–".to_owned(), factor)) } }
             td.number { (grouped(cell.rays)) }

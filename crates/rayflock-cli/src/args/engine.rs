@@ -15,8 +15,10 @@ pub(crate) struct EngineChoice {
     /// subfields should answer soonest; to compare, also embree, embree:SETTING and obvhs.
     ///
     /// Our own engines give the same picture in every bit, those of others nearly the same.
-    /// SETTING is how Embree is used: low, medium or refit; kept, instances or merged; single or
-    /// packets; coherent; robust; joined by +.
+    /// subfields:SETTING sets how subfields are kept: on-demand, eager or locked; list; flat;
+    /// icosahedron; 160 for so many directions; 10-a-tile; joined by +. The SETTING of embree is
+    /// how it is used: low, medium or refit; kept, instances or merged; single or packets;
+    /// coherent; robust; joined by +.
     #[arg(long, value_name = "NAME", default_value_t = EngineKind::Auto.into())]
     pub(crate) engine: EngineSpec,
 

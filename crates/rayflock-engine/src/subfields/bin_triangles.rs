@@ -10,6 +10,7 @@ use rayflock_geom::simd::{
 use rayon::prelude::*;
 use tracing::debug_span;
 
+use super::config::TileOrder;
 use crate::primitives::PrimitiveTable;
 use crate::wanted::{Wanted, WantedLanes};
 
@@ -51,8 +52,19 @@ pub(super) struct Projection<'a> {
     pub(super) table: &'a PrimitiveTable,
     pub(super) wanted: &'a Wanted,
     pub(super) face: &'a Face,
-    /// Tasks to divide the work into.
+    /// Tasks to divide the work into; with one, the calling thread does all.
     pub(super) task_count: usize,
+    /// What tiles are to be like.
+    pub(super) tiles: TileSettings,
+}
+
+/// What the tiles of a grid are to be like.
+#[derive(Clone, Copy)]
+pub(super) struct TileSettings {
+    /// How they hold their triangles.
+    pub(super) order: TileOrder,
+    /// They are made smaller as long as so many primitives are left in each.
+    pub(super) fewest: u16,
 }
 
 impl Projection<'_> {

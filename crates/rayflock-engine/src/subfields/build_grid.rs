@@ -37,26 +37,29 @@ impl GridBuilder {
         bins.fill(from, &grid.window, grid.block_bits);
         grid.everywhere.clear();
         grid.everywhere.extend(bins.everywhere());
-        self.fill_blocks(&bins, grid);
+        self.fill_blocks(from, &bins, grid);
         self.bins.give_back(bins);
     }
 
     /// Fills the blocks that have primitives; the others keep an old stamp.
-    fn fill_blocks(&self, bins: &TriangleBins, grid: &mut TileGrid) {
+    fn fill_blocks(&self, from: &Projection<'_>, bins: &TriangleBins, grid: &mut TileGrid) {
         let _span = debug_span!("fill_blocks").entered();
         let (block_bits, frame) = (grid.block_bits, grid.frame);
         let block_count = 1 << (2 * block_bits);
         if grid.blocks.len() < block_count {
             grid.blocks.resize_with(block_count, TileBlock::default);
         }
-        grid.blocks[..block_count].par_iter_mut().enumerate().for_each(|(block_idx, block)| {
+        let blocks = grid.blocks[..block_count].par_iter_mut().enumerate();
+        // In one piece, nothing of it goes to another thread.
+        let piece = if from.task_count == 1 { block_count } else { 1 };
+        blocks.with_min_len(piece).for_each(|(block_idx, block)| {
             let shares: Vec<&[FaceRow]> = bins.of_block(block_idx).collect();
             let others = bins.others_of_block(block_idx);
             if shares.iter().all(|share| share.is_empty()) && others.clone().next().is_none() {
                 return;
             }
             let mut filler = self.fillers.take();
-            filler.fill(block, block_idx, block_bits, &shares, others);
+            filler.fill(block, [block_idx, block_bits as usize], from.tiles, &shares, others);
             self.fillers.give_back(filler);
             block.frame = frame;
         });

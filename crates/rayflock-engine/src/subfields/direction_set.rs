@@ -19,12 +19,12 @@
 //! **Cost.** Some four scalar products for each look-up. Making a set takes time in proportion to
 //! the square of its size: 640 directions some tenths of a second.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec3, Vec3};
 
 /// How directions are spread.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum DirectionLayout {
     /// The Fibonacci lattice: any number of directions.
     #[default]
@@ -65,9 +65,11 @@ impl DirectionSet {
         let cells = (CELLS_PER_DIRECTION * directions.len()) as f64;
         let side = (cells.sqrt() as usize).next_multiple_of(2);
         let mut set = Self { directions, side, begins: vec![0], candidates: Vec::new() };
-        let mut angles = Vec::new();
+        let lines: Vec<DVec3> =
+            set.directions.iter().map(|direction| direction.as_dvec3().normalize()).collect();
+        let mut alike = Vec::new();
         for cell_idx in 0..side * side {
-            set.list_candidates(cell_idx, &mut angles);
+            set.list_candidates(cell_idx, &lines, &mut alike);
             set.begins.push(set.candidates.len() as u32);
         }
         set
@@ -105,8 +107,8 @@ impl DirectionSet {
         cell(direction.y) * self.side + cell(direction.x)
     }
 
-    /// Lists the directions that are nearest to anything in a cell.
-    fn list_candidates(&mut self, cell_idx: usize, angles: &mut Vec<f64>) {
+    /// Lists the directions that are nearest to anything in a cell, given all of them at unit length.
+    fn list_candidates(&mut self, cell_idx: usize, lines: &[DVec3], alike: &mut Vec<f64>) {
         let (row, column) = ((cell_idx / self.side) as f64, (cell_idx % self.side) as f64);
         let middle = self.unfold(column + 0.5, row + 0.5);
         // Cells overlap by what rounding may move a direction.
@@ -115,11 +117,12 @@ impl DirectionSet {
         let corners = corners.map(|[x, y]| self.unfold(column + x, row + y));
         let radius =
             corners.map(|corner| corner.angle_between(middle)).into_iter().fold(0.0, f64::max);
-        angles.clear();
-        angles.extend(self.directions.iter().map(|&direction| line_angle(direction, middle)));
-        let nearest = angles.iter().copied().fold(PI, f64::min);
+        alike.clear();
+        alike.extend(lines.iter().map(|line| line.dot(middle).abs()));
+        let nearest = alike.iter().copied().fold(0.0, f64::max).min(1.0).acos();
         let farthest = nearest + 2.0 * radius + ANGLE_SLACK;
-        let near = angles.iter().enumerate().filter(|&(_, &angle)| angle <= farthest);
+        let least = farthest.min(FRAC_PI_2).cos();
+        let near = alike.iter().enumerate().filter(|&(_, &alike)| alike >= least);
         self.candidates.extend(near.map(|(idx, _)| idx as u16));
     }
 
@@ -129,12 +132,6 @@ impl DirectionSet {
         let (x, y) = (along(column), along(row));
         DVec3::new(x, y, 1.0 - x.abs() - y.abs()).normalize()
     }
-}
-
-/// The angle between two lines.
-fn line_angle(a: Vec3, b: DVec3) -> f64 {
-    let a = a.as_dvec3();
-    a.cross(b).length().atan2(a.dot(b).abs())
 }
 
 fn fibonacci(count: usize) -> Vec<Vec3> {
@@ -193,6 +190,12 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+
+    /// The angle between two lines.
+    fn line_angle(a: Vec3, b: DVec3) -> f64 {
+        let a = a.as_dvec3();
+        a.cross(b).length().atan2(a.dot(b).abs())
+    }
 
     fn sets() -> Vec<DirectionSet> {
         let fibonacci = [1, 2, 7, 100, 1000].map(|count| (DirectionLayout::Fibonacci, count));

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   choose   how many tiles, from how many there would be in each
-//!   sort     triangles from near to far
+//!   sort     triangles from near to far, unless they are to be a list
 //!   list     them by tile: count, sum up, place
 //!   write    leaves of sixteen
 //! ```
@@ -10,18 +10,19 @@
 use rayflock_geom::simd::LANES;
 use rayflock_geom::simd::face_rows::{CELL_BITS, FaceRow};
 
-use super::bin_triangles::OtherRow;
+use super::bin_triangles::{OtherRow, TileSettings};
+use super::config::TileOrder;
 use super::tile_grid::TileBlock;
 use crate::triangle_leaf::TriangleLeaf;
 
-/// Tiles are made smaller as long as so many triangles are left in each.
-const FEWEST_IN_TILE: f32 = 10.0;
-
-/// And as long as there are no more than so many entries for each triangle.
+/// Tiles are made smaller as long as there are no more than so many entries for each triangle.
 const MOST_COPIES: f32 = 4.0;
 
 /// Tiles along the side of a block are at most 2 to the power of this.
 const FINEST_LEVEL: u32 = 7;
+
+/// The depths of a leaf that no ray may leave out.
+const ANYWHERE: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 
 /// Bits of a triangle's place in its share.
 const PLACE_BITS: u32 = 26;
@@ -47,28 +48,30 @@ struct Place {
 }
 
 impl BlockFiller {
-    /// Fills block `block_idx` of `2^block_bits` a side with its triangles, share by share.
+    /// Fills a block, given its position and that there are `2^block_bits` a side, with its
+    /// triangles, share by share.
     pub(super) fn fill<'a>(
         &mut self,
         block: &mut TileBlock,
-        block_idx: usize,
-        block_bits: u32,
+        [block_idx, block_bits]: [usize; 2],
+        tiles: TileSettings,
         shares: &[&[FaceRow]],
         others: impl Iterator<Item = &'a OtherRow> + Clone,
     ) {
+        let block_bits = block_bits as u32;
         let cell_bits = CELL_BITS - block_bits;
         let (row, column) = (block_idx >> block_bits, block_idx & ((1 << block_bits) - 1));
         let first = [(column << cell_bits) as u32, (row << cell_bits) as u32];
         let place = Place { first, cell_bits };
-        block.level = place.choose_level(shares, others.clone().count());
-        self.sort(shares);
+        block.level = place.choose_level(tiles.fewest, shares, others.clone().count());
+        self.sort(tiles.order, shares);
         self.list(&place, block.level, shares);
-        self.write(block, shares);
+        self.write(block, tiles.order, shares);
         self.write_others(&place, block, others);
     }
 
-    /// Sorts the triangles from near to far.
-    fn sort(&mut self, shares: &[&[FaceRow]]) {
+    /// Sorts the triangles from near to far, unless they may stand as they come.
+    fn sort(&mut self, order: TileOrder, shares: &[&[FaceRow]]) {
         self.sorted.clear();
         for (share_idx, share) in shares.iter().enumerate() {
             let first = (share_idx as u32) << PLACE_BITS;
@@ -77,7 +80,9 @@ impl BlockFiller {
                 (u64::from(far_to_near(row.nearest())) << 32) | u64::from(entry)
             }));
         }
-        self.sorted.sort_unstable();
+        if order == TileOrder::Depth {
+            self.sorted.sort_unstable();
+        }
     }
 
     /// Lists the triangles of each tile.
@@ -133,7 +138,7 @@ impl BlockFiller {
     }
 
     /// Writes the leaves of all tiles.
-    fn write(&mut self, block: &mut TileBlock, shares: &[&[FaceRow]]) {
+    fn write(&mut self, block: &mut TileBlock, order: TileOrder, shares: &[&[FaceRow]]) {
         block.first_leaves.clear();
         block.depths.clear();
         let mut leaf_count = 0;
@@ -146,7 +151,11 @@ impl BlockFiller {
                 if block.leaves.len() <= leaf_count {
                     block.leaves.push(TriangleLeaf::EMPTY);
                 }
-                block.depths.push(write_leaf(&mut block.leaves[leaf_count], entries, shares));
+                let depths = write_leaf(&mut block.leaves[leaf_count], entries, shares);
+                block.depths.push(match order {
+                    TileOrder::Depth => depths,
+                    TileOrder::List => ANYWHERE,
+                });
                 leaf_count += 1;
             }
         }
@@ -171,7 +180,7 @@ fn sum_up(counts: &mut [u32]) {
 
 impl Place {
     /// The finest level at which there are still enough primitives in a tile.
-    fn choose_level(&self, shares: &[&[FaceRow]], other_count: usize) -> u32 {
+    fn choose_level(&self, fewest: u16, shares: &[&[FaceRow]], other_count: usize) -> u32 {
         let (mut count, mut around, mut area) = (other_count as f32, 0.0, 0.0);
         for row in shares.iter().copied().flatten() {
             let [columns, rows] = self.inside([row.columns(), row.rows()]);
@@ -185,7 +194,7 @@ impl Place {
             let tiles = (1_u32 << level) as f32;
             let size = tiles / (1_u32 << self.cell_bits) as f32;
             let entries = count + size * (around + size * area);
-            entries >= FEWEST_IN_TILE * tiles * tiles && entries <= MOST_COPIES * count
+            entries >= f32::from(fewest) * tiles * tiles && entries <= MOST_COPIES * count
         };
         (1..=most).take_while(enough).last().unwrap_or(0)
     }

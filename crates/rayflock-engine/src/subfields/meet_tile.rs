@@ -4,6 +4,7 @@ use glam::Vec3;
 use rayflock_geom::simd::ray_triangle::{AlignedBlock, intersect_aligned};
 use rayflock_geom::simd::{LANES, Simd, SimdBase, SimdMask, mask32x16, u32x16};
 
+use super::asked::Asked;
 use super::tile_grid::TileBlock;
 use crate::TraceStats;
 use crate::packet::{Nearest, Question};
@@ -63,7 +64,7 @@ impl DepthRange {
 
 /// What comes of rays that meet tiles.
 pub(super) struct Meeting<'a> {
-    pub(super) question: Question,
+    pub(super) asked: &'a Asked<'a>,
     /// Slots of other primitives in the tiles that were visited.
     pub(super) others: &'a mut Vec<u32>,
     pub(super) stats: &'a mut TraceStats,
@@ -80,6 +81,7 @@ impl Meeting<'_> {
         mut depths: DepthRange,
         ray: &mut TileRay,
     ) {
+        self.stats.tiles += 1;
         for leaf_idx in block.leaves_of(tile_idx) {
             let [nearest, farthest] = block.depths[leaf_idx];
             if nearest < depths.least {
@@ -103,7 +105,13 @@ impl Meeting<'_> {
     fn meet_leaf<S: Simd>(&mut self, simd: S, leaf: &TriangleLeaf, ray: &mut TileRay) -> bool {
         self.stats.triangle_tests += LANES as u64;
         self.stats.bytes += LANES as u64 * TRIANGLE_BYTES;
-        let triangles = AlignedBlock::load(simd, &leaf.triangles, ray.axes);
+        let triangles = match self.asked.place {
+            None => AlignedBlock::load(simd, &leaf.triangles, ray.axes),
+            Some(place) => {
+                let in_world = place.triangles_in_world(simd, &leaf.triangles);
+                AlignedBlock::load(simd, &in_world, ray.axes)
+            }
+        };
         let seen = u32x16::from_slice(simd, &leaf.masks) & u32x16::splat(simd, ray.mask);
         let active: mask32x16<S> = !seen.simd_eq(u32x16::splat(simd, 0));
         let interval = [ray.t_min, ray.t_max];
@@ -111,11 +119,19 @@ impl Meeting<'_> {
         if !hits.accepted.any_true() {
             return false;
         }
-        ray.nearest.offer_lanes(&hits, &leaf.ranks);
-        ray.t_max = match self.question {
-            Question::Closest => ray.nearest.t,
-            Question::Occluded => f32::NEG_INFINITY,
-        };
-        true
+        match self.asked.place {
+            None => ray.nearest.offer_lanes(&hits, &leaf.ranks),
+            Some(place) => {
+                place.offer_lanes(simd, self.asked.table, hits, &leaf.ranks, &mut ray.nearest);
+            }
+        }
+        let is_hit = !ray.nearest.is_none();
+        if is_hit {
+            ray.t_max = match self.asked.question {
+                Question::Closest => ray.nearest.t,
+                Question::Occluded => f32::NEG_INFINITY,
+            };
+        }
+        is_hit
     }
 }

@@ -1,20 +1,14 @@
 //! Sixteen rays at work, and their way past spheres and user primitives.
 
 use glam::Vec3;
+use rayflock_geom::Ray;
 use rayflock_geom::simd::{LANES, Simd};
-use rayflock_geom::{Ray, RayBatch};
 
+use super::asked::Asked;
 use super::meet_tile::{Meeting, TileRay};
 use crate::TraceStats;
-use crate::packet::{Nearest, Question, TracePacket};
-use crate::primitives::{PrimitiveTable, SPHERE_BYTES, TRIANGLE_BYTES};
-
-/// What is asked of a batch.
-pub(super) struct Asked<'a> {
-    pub(super) table: &'a PrimitiveTable,
-    pub(super) batch: &'a RayBatch<'a>,
-    pub(super) question: Question,
-}
+use crate::packet::{Nearest, TracePacket};
+use crate::primitives::{SPHERE_BYTES, TRIANGLE_BYTES};
 
 /// Rays at work; kept and filled again.
 #[derive(Debug)]
@@ -66,24 +60,25 @@ impl RayGroup {
 
     /// A ray of the group and what it takes to meet tiles.
     #[inline(always)]
-    pub(super) fn at_work(
-        &mut self,
+    pub(super) fn at_work<'a>(
+        &'a mut self,
         lane: usize,
-        question: Question,
-    ) -> (&mut TileRay, Meeting<'_>) {
+        asked: &'a Asked<'_>,
+    ) -> (&'a mut TileRay, Meeting<'a>) {
         let Self { rays, others, stats, .. } = self;
-        (&mut rays[lane], Meeting { question, others, stats })
+        (&mut rays[lane], Meeting { asked, others, stats })
+    }
+
+    /// Adds slots of primitives that some ray may hit.
+    #[inline(always)]
+    pub(super) fn note_others(&mut self, slots: impl Iterator<Item = u32>) {
+        self.others.extend(slots);
     }
 
     /// Tests what the tiles hold beside triangles, and what has no tile.
     #[inline(always)]
-    pub(super) fn meet_others<S: Simd>(
-        &mut self,
-        simd: S,
-        asked: &Asked<'_>,
-        everywhere: impl Iterator<Item = u32>,
-    ) {
-        self.others.extend(everywhere);
+    pub(super) fn meet_others<S: Simd>(&mut self, simd: S, asked: &Asked<'_>) {
+        self.others.extend_from_slice(asked.everywhere);
         if self.others.is_empty() || self.active == 0 {
             return;
         }
@@ -93,7 +88,7 @@ impl RayGroup {
         let mut tests = TraceStats::default();
         for &slot in &self.others {
             if !self.packet.is_done() {
-                self.packet.test(simd, asked.table, slot, asked.question, &mut tests);
+                self.packet.test(simd, asked.table, asked.slot(slot), asked.question, &mut tests);
             }
         }
         tests.bytes = (tests.triangle_tests * TRIANGLE_BYTES + tests.sphere_tests * SPHERE_BYTES)

@@ -5,14 +5,14 @@ use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::Vec3;
-use rayflock_geom::{RayBatch, RayState};
+use rayflock_geom::RayState;
 use rayon::prelude::*;
 use tracing::debug_span;
 
+use super::asked::{Asked, RayList};
 use super::config::Config;
 use super::direction_set::{DirectionLayout, DirectionSet};
 use crate::TraceStats;
-use crate::answers::Answers;
 use crate::sort_keyed::KeyedSorter;
 
 /// Rays that one task gives keys.
@@ -21,6 +21,9 @@ const RAYS_PER_TASK: usize = 4096;
 /// There are at most so many directions unless more are asked for.
 const MOST_DIRECTIONS: usize = 640;
 
+/// See [`Work::direction_count`].
+const SHARE: f32 = 0.2;
+
 /// Whatever is asked for, there are no more: the time to make a set grows with their square.
 const MOST_DIRECTIONS_EVER: usize = 4096;
 
@@ -28,6 +31,8 @@ const MOST_DIRECTIONS_EVER: usize = 4096;
 #[derive(Debug, Default)]
 pub(super) struct DirectionSorter {
     chosen: Option<ChosenSet>,
+    /// The largest number of directions that a batch of this frame wanted.
+    most_wanted: usize,
     sorter: KeyedSorter,
     runs: Vec<Run>,
 }
@@ -40,6 +45,33 @@ struct ChosenSet {
     set: DirectionSet,
 }
 
+/// What the number of directions follows from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Work {
+    pub(super) ray_count: usize,
+    /// Primitives in the grids.
+    pub(super) prim_count: usize,
+    /// Those that are written anew each frame.
+    pub(super) moving_count: usize,
+}
+
+impl Work {
+    /// How many directions cost least.
+    ///
+    /// A direction costs some work for each primitive that moves, a ray for each tile: with `D`
+    /// directions and `N` tiles a side, which is about the square root of the primitives, that are
+    /// `1 + N sqrt(2 / D)`. The sum is least where `D` grows with
+    /// `(rays * sqrt(primitives) / moving)^(2/3)`. With 60 ns a tile, 140 ns a primitive and ten
+    /// primitives in a tile it is [`SHARE`] of that; it is rounded to a power of four, so that sets
+    /// last.
+    fn direction_count(&self) -> usize {
+        let moving = self.moving_count.max(self.prim_count / 16).max(1);
+        let wanted = self.ray_count as f32 * (self.prim_count as f32).sqrt() / moving as f32;
+        let power = (SHARE * wanted.powf(2.0 / 3.0) / 10.0).max(1.0).log(4.0).round();
+        (10.0 * 4.0_f32.powf(power)).min(MOST_DIRECTIONS as f32) as usize
+    }
+}
+
 /// The rays of one direction.
 #[derive(Clone, Debug)]
 pub(super) struct Run {
@@ -49,40 +81,51 @@ pub(super) struct Run {
 }
 
 impl DirectionSorter {
-    /// Chooses the set of directions for a batch.
-    ///
-    /// A direction costs some work for each primitive, a ray for each tile: with `D` directions and
-    /// `N` tiles a side that are `1 + N sqrt(2 / D)`. The sum is least where `D` is about
-    /// `(rays / sqrt(primitives))^(2/3)`; it is rounded to a power of four, so that sets last.
-    pub(super) fn choose(&mut self, config: &Config, ray_count: usize, prim_count: usize) {
-        let count = config.direction_count.unwrap_or_else(|| {
-            let wanted = (ray_count as f32 / (prim_count.max(1) as f32).sqrt()).powf(2.0 / 3.0);
-            let power = (wanted / 10.0).max(1.0).log(4.0).round();
-            (10.0 * 4.0_f32.powf(power)).min(MOST_DIRECTIONS as f32) as usize
-        });
-        let (layout, count) = (config.layout, count.min(MOST_DIRECTIONS_EVER));
-        let is_same = |one: &&ChosenSet| (one.layout, one.count) == (layout, count);
-        if self.chosen.as_ref().filter(is_same).is_none() {
-            self.chosen = Some(ChosenSet { layout, count, set: DirectionSet::new(layout, count) });
+    /// Begins a frame: it may need fewer directions than the one before.
+    pub(super) fn begin_frame(&mut self) {
+        let has_too_many = |chosen: &mut ChosenSet| 2 * self.most_wanted < chosen.count;
+        if self.most_wanted > 0 && self.chosen.as_mut().is_some_and(has_too_many) {
+            self.chosen = None;
+        }
+        self.most_wanted = 0;
+    }
+
+    /// Chooses the set of directions for a batch: as many as were asked for, else what its work is
+    /// worth, but no more than `most`. Batches of a frame share one, the set for the largest of them
+    /// so far: each direction costs as much for few rays as for many.
+    pub(super) fn choose(&mut self, config: &Config, work: &Work, most: usize) {
+        let wanted = config.direction_count.unwrap_or_else(|| work.direction_count().min(most));
+        self.most_wanted = self.most_wanted.max(wanted.min(MOST_DIRECTIONS_EVER));
+        let count = self.most_wanted;
+        let serves = |chosen: &&ChosenSet| {
+            let is_enough = match config.direction_count {
+                Some(_) => chosen.count == count,
+                None => (count..=most).contains(&chosen.count),
+            };
+            chosen.layout == config.layout && is_enough
+        };
+        if self.chosen.as_ref().filter(serves).is_none() {
+            let set = DirectionSet::new(config.layout, count);
+            self.chosen = Some(ChosenSet { layout: config.layout, count, set });
         }
     }
 
-    /// Sorts the active rays of a batch; the others hit nothing.
-    pub(super) fn sort(&mut self, batch: &RayBatch<'_>, answers: &Answers) -> TraceStats {
+    /// Sorts the active rays of a list; the others hit nothing.
+    pub(super) fn sort(&mut self, asked: &Asked<'_>, rays: RayList<'_>) -> TraceStats {
         let _span = debug_span!("sort_directions").entered();
         self.runs.clear();
         let Some(ChosenSet { set, .. }) = &self.chosen else { return TraceStats::default() };
         let nowhere = set.directions().len();
-        let tasks = self.sorter.entries(batch.len()).par_chunks_mut(RAYS_PER_TASK).enumerate();
+        let tasks = self.sorter.entries(rays.len()).par_chunks_mut(RAYS_PER_TASK).enumerate();
         let invalid_rays = tasks.map(|(task_idx, keyed)| {
             let mut invalid_count = 0;
             for (idx, keyed) in keyed.iter_mut().enumerate() {
-                let ray_idx = task_idx * RAYS_PER_TASK + idx;
-                let ray = batch.ray(ray_idx);
+                let ray_idx = rays.get(task_idx * RAYS_PER_TASK + idx);
+                let ray = asked.batch.ray(ray_idx);
                 let key = match ray.state() {
-                    RayState::Active => set.nearest(ray.direction),
+                    RayState::Active => set.nearest(asked.ray_in_grids(&ray).direction),
                     RayState::Inactive | RayState::Invalid => {
-                        answers.set_none(ray_idx);
+                        asked.answers.set_none(ray_idx);
                         invalid_count += u64::from(ray.state() == RayState::Invalid);
                         nowhere
                     }
@@ -104,7 +147,17 @@ impl DirectionSorter {
             self.runs.push(Run { direction, entries: start..start + len });
             start += len;
         }
-        TraceStats { rays: batch.len() as u64, invalid_rays, ..TraceStats::default() }
+        TraceStats { rays: rays.len() as u64, invalid_rays, ..TraceStats::default() }
+    }
+
+    /// The set that was chosen.
+    pub(super) fn set(&self) -> Option<&DirectionSet> {
+        self.chosen.as_ref().map(|chosen| &chosen.set)
+    }
+
+    /// The directions of the set.
+    pub(super) fn directions(&self) -> &[Vec3] {
+        self.set().map_or(&[], DirectionSet::directions)
     }
 
     /// The directions that occur, each with its rays.

@@ -1,12 +1,12 @@
 //! The subfields that are held, by direction, within a budget of memory.
 
 use glam::Vec3;
-use rayflock_geom::simd::SimdLevel;
 use rayon::prelude::*;
 use tracing::debug_span;
 
-use super::bin_triangles::Projection;
+use super::bin_triangles::{Projection, TileSettings};
 use super::build_grid::GridBuilder;
+use super::config::{Config, TileOrder};
 use super::subfield::Subfield;
 use crate::primitives::PrimitiveTable;
 use crate::wanted::Wanted;
@@ -17,13 +17,8 @@ const TASKS_PER_THREAD: usize = 2;
 /// There are at most so many tasks.
 const MOST_TASKS: usize = 64;
 
-/// Bytes that grids take for each primitive, about.
+/// Bytes that grids take for each primitive, about, as long as there are none to tell.
 const BYTES_PER_PRIM: usize = 256;
-
-/// Bytes that the subfield of one direction takes, about.
-pub(super) fn bytes_for(table: &PrimitiveTable) -> usize {
-    BYTES_PER_PRIM * table.geometry().prim_count().max(1)
-}
 
 /// What is in the grids of a frame.
 #[derive(Debug, Default)]
@@ -36,6 +31,11 @@ pub(super) struct Contents {
 }
 
 impl Contents {
+    /// Number of primitives in the grids.
+    pub(super) fn prim_count(&self) -> usize {
+        self.kept.prim_count() + self.moving.prim_count()
+    }
+
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
         self.kept.memory_usage() + self.moving.memory_usage()
@@ -56,35 +56,56 @@ impl SubfieldStore {
     /// which hold until the next call.
     pub(super) fn prepare(
         &mut self,
-        level: SimdLevel,
+        config: &Config,
         table: &PrimitiveTable,
         contents: &Contents,
         directions: &[Vec3],
-        budget: usize,
     ) -> Vec<usize> {
-        let _span = debug_span!("prepare_subfields").entered();
-        self.clock += 1;
-        self.make_room(directions, bytes_for(table), budget);
-        let places = directions.iter().map(|&direction| self.find(direction, table)).collect();
-        let stale = self.subfields.iter_mut().filter(|one| one.used == self.clock);
-        let mut stale: Vec<&mut Subfield> = stale.filter(|one| !one.is_current(contents)).collect();
-        let tasks = (TASKS_PER_THREAD * rayon::current_num_threads()).min(MOST_TASKS);
-        let task_count = tasks.div_ceil(stale.len().max(1));
-        let builder = &self.builder;
-        stale.par_iter_mut().for_each(|subfield| {
-            let Subfield { face, kept, moving, .. } = &mut **subfield;
-            let parts = [
-                (kept, &contents.kept, contents.kept_frame),
-                (moving, &contents.moving, contents.frame),
-            ];
-            for (grid, wanted, frame) in parts {
-                if grid.frame != frame {
-                    let from = Projection { level, table, wanted, face, task_count };
-                    builder.build(&from, frame, grid);
-                }
-            }
-        });
+        let places = self.hold(config, table, directions);
+        let clock = self.clock;
+        self.update(config, table, contents, |subfield| subfield.used == clock);
         places
+    }
+
+    /// Brings all subfields that are held up to date.
+    pub(super) fn refresh(&mut self, config: &Config, table: &PrimitiveTable, contents: &Contents) {
+        self.update(config, table, contents, |_| true);
+    }
+
+    /// Makes sure that there are subfields for some directions, whatever is in them; returns their
+    /// positions, which hold until the next call.
+    pub(super) fn hold(
+        &mut self,
+        config: &Config,
+        table: &PrimitiveTable,
+        directions: &[Vec3],
+    ) -> Vec<usize> {
+        self.clock += 1;
+        self.make_room(directions, self.bytes_each(table), config.budget);
+        directions.iter().map(|&direction| self.find(direction, table)).collect()
+    }
+
+    /// Brings what is out of date among the chosen subfields up to date, in parallel.
+    fn update(
+        &mut self,
+        config: &Config,
+        table: &PrimitiveTable,
+        contents: &Contents,
+        is_chosen: impl Fn(&Subfield) -> bool + Sync,
+    ) {
+        let _span = debug_span!("update_subfields").entered();
+        let is_stale = |subfield: &Subfield| is_chosen(subfield) && !subfield.is_current(contents);
+        let stale_count = self.subfields.iter().filter(|one| is_stale(one)).count();
+        let tasks = (TASKS_PER_THREAD * rayon::current_num_threads()).min(MOST_TASKS);
+        let task_count = tasks.div_ceil(stale_count.max(1));
+        let builder = Builder(&self.builder);
+        let stale = self.subfields.par_iter_mut().filter(|one| is_stale(one));
+        stale.for_each(|subfield| builder.update(config, table, contents, subfield, task_count));
+    }
+
+    /// All subfields, by position, and what brings each up to date.
+    pub(super) fn share(&mut self) -> (impl Iterator<Item = &mut Subfield>, Builder<'_>) {
+        (self.subfields.iter_mut(), Builder(&self.builder))
     }
 
     /// A subfield, by its position.
@@ -112,7 +133,7 @@ impl SubfieldStore {
             }
         }
         let room = budget.saturating_sub(missing * bytes_each);
-        let mut held: usize = self.subfields.iter().map(Subfield::memory_usage).sum();
+        let mut held = self.grid_bytes();
         while held > room {
             let unused =
                 (0..self.subfields.len()).filter(|&idx| self.subfields[idx].used < self.clock);
@@ -121,9 +142,55 @@ impl SubfieldStore {
         }
     }
 
+    /// Bytes that the subfield of one direction takes, about.
+    pub(super) fn bytes_each(&self, table: &PrimitiveTable) -> usize {
+        let held = self.grid_bytes() / self.subfields.len().max(1);
+        held.max(BYTES_PER_PRIM * table.geometry().prim_count().max(1))
+    }
+
+    /// Number of subfields held.
+    pub(super) fn len(&self) -> usize {
+        self.subfields.len()
+    }
+
+    /// Bytes of the subfields themselves.
+    pub(super) fn grid_bytes(&self) -> usize {
+        self.subfields.iter().map(Subfield::memory_usage).sum()
+    }
+
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
-        self.subfields.iter().map(Subfield::memory_usage).sum::<usize>()
-            + self.builder.memory_usage()
+        self.grid_bytes() + self.builder.memory_usage()
+    }
+}
+
+/// Brings single subfields up to date.
+#[derive(Clone, Copy)]
+pub(super) struct Builder<'a>(&'a GridBuilder);
+
+impl Builder<'_> {
+    /// Writes the grids that are out of date, dividing the work into `task_count` tasks; with one,
+    /// the calling thread does all.
+    pub(super) fn update(
+        &self,
+        config: &Config,
+        table: &PrimitiveTable,
+        contents: &Contents,
+        subfield: &mut Subfield,
+        task_count: usize,
+    ) {
+        let Subfield { face, kept, moving, .. } = subfield;
+        let parts = [
+            (kept, &contents.kept, contents.kept_frame, TileOrder::Depth),
+            (moving, &contents.moving, contents.frame, config.moving_order),
+        ];
+        for (grid, wanted, frame, order) in parts {
+            if grid.frame != frame {
+                let level = config.simd;
+                let tiles = TileSettings { order, fewest: config.fewest_in_tile };
+                let from = Projection { level, table, wanted, face, task_count, tiles };
+                self.0.build(&from, frame, grid);
+            }
+        }
     }
 }

@@ -49,14 +49,14 @@ impl Subfield {
         self.grids().into_iter().flat_map(|grid| grid.everywhere.iter().copied())
     }
 
-    /// A ray's line on the face.
+    /// A ray's line on the face, and `extent` more of which its places may be off by a part.
     #[inline(always)]
-    pub(super) fn line(&self, ray: &Ray) -> RayLine {
+    pub(super) fn line(&self, ray: &Ray, extent: f32) -> RayLine {
         let [a, b, c] = self.face.rows;
         let from_center = ray.origin - self.face.center;
         let rotated = |v: Vec3| Vec3::new(a.dot(v), b.dot(v), c.dot(v));
         let size = ray.direction.abs().max_element();
-        RayLine::new(rotated(from_center), rotated(ray.direction), size)
+        RayLine::new(rotated(from_center), rotated(ray.direction), size).with_extent(extent)
     }
 
     /// Bytes held.

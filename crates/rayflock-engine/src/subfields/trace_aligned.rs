@@ -12,12 +12,12 @@ use rayflock_geom::simd::face_rows::CELL_BITS;
 use rayflock_geom::simd::ray_triangle::{PERTURBATION, ShearedRay};
 use rayflock_geom::simd::{LANES, Lanes, Select, Simd, SimdBase, f32x16, u32x16};
 
+use super::asked::Asked;
 use super::meet_tile::{DepthRange, TileRay};
-use super::ray_group::{Asked, RayGroup};
+use super::ray_group::RayGroup;
 use super::subfield::Subfield;
 use super::tile_grid::{Cell, TileGrid};
 use super::walk_tiles::{RayLine, walk_grid};
-use crate::answers::Answers;
 use crate::packet::Nearest;
 
 /// Sixteen rays on the face of a subfield.
@@ -41,14 +41,12 @@ pub(super) fn trace_aligned<S: Simd>(
     subfield: &Subfield,
     group: &mut RayGroup,
     rays: Range<usize>,
-    t_bound: &impl Fn(usize) -> f32,
-    answers: &Answers,
 ) {
     group.stats.rays += rays.len() as u64;
     let sheared = ShearedRay::new(&asked.batch.ray(rays.start));
     for first_ray in rays.clone().step_by(LANES) {
         let count = (rays.end - first_ray).min(LANES);
-        let places = load(simd, asked, subfield, group, first_ray, count, &sheared, t_bound);
+        let places = load(simd, asked, subfield, group, first_ray, count, &sheared);
         let mut active = group.active;
         while active != 0 {
             let lane = active.trailing_zeros() as usize;
@@ -59,16 +57,16 @@ pub(super) fn trace_aligned<S: Simd>(
                 }
             }
         }
-        group.meet_others(simd, asked, subfield.everywhere());
+        group.note_others(subfield.everywhere());
+        group.meet_others(simd, asked);
         for (ray_idx, ray) in group.ray_idx.iter().zip(&group.rays).take(count) {
-            answers.set(*ray_idx, &ray.nearest);
+            asked.answers.set(*ray_idx, &ray.nearest);
         }
     }
 }
 
 /// Takes sixteen rays into the group.
 #[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "all that a ray comes from, which exists only here")]
 fn load<S: Simd>(
     simd: S,
     asked: &Asked<'_>,
@@ -77,7 +75,6 @@ fn load<S: Simd>(
     first_ray: usize,
     count: usize,
     sheared: &ShearedRay,
-    t_bound: &impl Fn(usize) -> f32,
 ) -> Places {
     let batch = asked.batch;
     let mut lanes = RayLanes::load(simd, batch, first_ray);
@@ -91,7 +88,7 @@ fn load<S: Simd>(
     let places = group.ray_idx.iter_mut().zip(&mut group.rays).take(count);
     for (lane, (ray_idx, ray)) in places.enumerate() {
         *ray_idx = first_ray + lane;
-        lanes.t_max[lane] = lanes.t_max[lane].min(t_bound(*ray_idx));
+        lanes.t_max[lane] = lanes.t_max[lane].min(asked.t_bound(*ray_idx));
         let origin = [lanes.origin[kx][lane], lanes.origin[ky][lane], lanes.origin[kz][lane]];
         *ray = TileRay {
             axes: sheared.axes,
@@ -161,7 +158,7 @@ fn meet_grid<S: Simd>(
     group: &mut RayGroup,
 ) {
     let (start, pace) = (places.start[lane], places.pace[lane]);
-    let (ray, mut meeting) = group.at_work(lane, asked.question);
+    let (ray, mut meeting) = group.at_work(lane, asked);
     if ray.is_done() {
         return;
     }

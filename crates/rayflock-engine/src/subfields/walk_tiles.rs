@@ -28,6 +28,8 @@ pub(super) struct RayLine {
     pub(super) start: Vec3,
     /// The same for each unit of `t`; x and y are zero for rays along the face's direction.
     pub(super) pace: Vec3,
+    /// A length of which places may be off by a part, beside the distances from the origin.
+    extent: f32,
 }
 
 /// Directions shorter than this, in their largest coordinate, or longer than its inverse are not
@@ -40,10 +42,16 @@ impl RayLine {
     #[inline(always)]
     pub(super) fn new(start: Vec3, pace: Vec3, size: f32) -> Self {
         if (SHORTEST..1.0 / SHORTEST).contains(&size) {
-            Self { start, pace }
+            Self { start, pace, extent: 0.0 }
         } else {
-            Self { start: Vec3::NAN, pace: Vec3::NAN }
+            Self { start: Vec3::NAN, pace: Vec3::NAN, extent: 0.0 }
         }
+    }
+
+    /// The same, with a length of which places may be off by a part.
+    #[inline(always)]
+    pub(super) fn with_extent(self, extent: f32) -> Self {
+        Self { extent, ..self }
     }
 
     /// The line of a ray along the direction of the face.
@@ -97,7 +105,7 @@ pub(super) fn walk_grid<S: Simd>(
 impl<'a> Walk<'a> {
     fn new(grid: &'a TileGrid, line: &RayLine, slack: f32) -> Self {
         let window = &grid.window;
-        let extent = line.start.abs().element_sum() + grid.reach;
+        let extent = line.start.abs().element_sum() + line.extent + grid.reach;
         let error = 4.0 * slack * extent;
         let depth_slack = grid.depth_error + error;
         let cells = |axis: usize| (line.start[axis] - window.low[axis]) * window.scale[axis];

@@ -40,20 +40,20 @@ impl Subject {
     /// Engines with settings that are not the default.
     pub(crate) fn with_settings() -> Vec<Self> {
         let all = [
-            (subfields::DirectionLayout::Icosahedron, 10, 1),
-            (subfields::DirectionLayout::Fibonacci, 1, 1 << 30),
-            (subfields::DirectionLayout::Fibonacci, 100, 1 << 20),
+            ("icosahedron+10", 1, 2),
+            ("1+list", 1 << 30, 2),
+            ("100", 1 << 20, 2),
+            ("eager+40", 1 << 20, 1),
+            ("eager+20+list+flat", 1 << 30, 2),
+            ("locked", 1 << 30, 1),
+            ("locked+40", 1 << 30, 2),
+            ("locked+list+30", 1 << 20, 2),
         ];
-        let subject = |(layout, direction_count, budget)| {
-            let config = subfields::Config {
-                layout,
-                direction_count: Some(direction_count),
-                budget,
-                ..subfields::Config::default()
-            };
-            let name = format!("subfields, {layout:?} {direction_count}, {budget} bytes");
+        let subject = |(setting, budget, threads): (&str, usize, usize)| {
+            let config = subfields::Config { budget, ..setting.parse().unwrap() };
+            let name = format!("subfields:{setting}, {budget} bytes, {threads} threads");
             let engine = Box::new(subfields::SubfieldsEngine::new(config));
-            Self { name, engine, pool: pool(2) }
+            Self { name, engine, pool: pool(threads) }
         };
         all.map(subject).into()
     }

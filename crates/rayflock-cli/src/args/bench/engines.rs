@@ -13,7 +13,8 @@ use crate::args::thread_count;
 pub(crate) struct EngineArguments {
     /// The engines, separated by commas, in the order of their turns.
     ///
-    /// Ours: auto, brute, hierarchy, bvh, subfields. Others: embree:best (every setting is tried, the best one counts),
+    /// Ours: auto, brute, hierarchy, bvh, subfields, subfields:SETTING (such as
+    /// subfields:eager+list+40). Others: embree:best (every setting is tried, the best one counts),
     /// embree:SETTING (such as embree:low+instances+packets+coherent), obvhs.
     #[arg(
         long,

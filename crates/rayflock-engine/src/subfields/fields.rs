@@ -1,0 +1,182 @@
+//! The subfields over the primitives of one table, and the way of a batch through them.
+
+use glam::Vec3;
+use rayflock_geom::simd::dispatch;
+use rayon::prelude::*;
+use tracing::debug_span;
+use web_time::Instant;
+
+use super::asked::{Asked, RayList};
+use super::config::Config;
+use super::ray_group::RayGroup;
+use super::sort_directions::{DirectionSorter, Run, Work};
+use super::store::{Contents, SubfieldStore};
+use super::subfield::Subfield;
+use super::trace_aligned::trace_aligned;
+use super::trace_walking::trace_walking;
+use crate::TraceStats;
+use crate::primitives::PrimitiveTable;
+use crate::scratch::Scratch;
+
+/// Rays that one task traces.
+pub(super) const RAYS_PER_TASK: usize = 1024;
+
+/// Subfields and all it takes to trace through them.
+#[derive(Debug, Default)]
+pub(super) struct Fields {
+    pub(super) config: Config,
+    pub(super) contents: Contents,
+    pub(super) store: SubfieldStore,
+    pub(super) sorter: DirectionSorter,
+    pub(super) groups: Scratch<RayGroup>,
+    /// Nanoseconds spent on bringing subfields up to date since that was asked last.
+    update_ns: u64,
+}
+
+impl Fields {
+    /// No subfields yet.
+    pub(super) fn new(config: Config) -> Self {
+        Self { config, ..Self::default() }
+    }
+
+    /// Brings the subfields of some directions, all different, up to date; returns their positions
+    /// in the store.
+    pub(super) fn prepare(&mut self, held: &PrimitiveTable, directions: &[Vec3]) -> Vec<usize> {
+        let start = Instant::now();
+        let places = self.store.prepare(&self.config, held, &self.contents, directions);
+        self.update_ns += start.elapsed().as_nanos() as u64;
+        places
+    }
+
+    /// Brings all subfields that are held up to date.
+    pub(super) fn refresh(&mut self, held: &PrimitiveTable) {
+        self.store.refresh(&self.config, held, &self.contents);
+    }
+
+    /// Nanoseconds spent on bringing subfields up to date since this was asked last.
+    pub(super) fn take_update_ns(&mut self) -> u64 {
+        std::mem::take(&mut self.update_ns)
+    }
+
+    /// Chooses the set of directions for so many rays.
+    pub(super) fn choose_set(&mut self, held: &PrimitiveTable, ray_count: usize) {
+        let prim_count = held.geometry().prim_count();
+        let moving_count = self.contents.moving.prim_count();
+        let most = self.most_at_once(held);
+        self.sorter.choose(&self.config, &Work { ray_count, prim_count, moving_count }, most);
+    }
+
+    /// How many subfields the budget is good for, at least one.
+    pub(super) fn most_at_once(&self, held: &PrimitiveTable) -> usize {
+        (self.config.budget / self.store.bytes_each(held)).max(1)
+    }
+
+    /// Answers a batch whose rays share a direction.
+    pub(super) fn trace_aligned(
+        &mut self,
+        held: &PrimitiveTable,
+        asked: &Asked<'_>,
+        direction: Vec3,
+    ) -> TraceStats {
+        let place = self.prepare(held, &[direction])[0];
+        let _span = debug_span!("trace_aligned").entered();
+        let (subfield, ray_count) = (self.store.get(place), asked.batch.len());
+        let tasks = (0..ray_count.div_ceil(RAYS_PER_TASK)).into_par_iter();
+        let counted = tasks.map(|task_idx| {
+            let mut group = self.groups.take();
+            group.stats = TraceStats::default();
+            let first_ray = task_idx * RAYS_PER_TASK;
+            let part = first_ray..(first_ray + RAYS_PER_TASK).min(ray_count);
+            dispatch!(self.config.simd.level(), simd => {
+                trace_aligned(simd, asked, subfield, &mut group, part);
+            });
+            let stats = group.stats;
+            self.groups.give_back(group);
+            stats
+        });
+        counted.reduce(TraceStats::default, |a, b| a + b)
+    }
+
+    /// Answers rays, all active, that go along a direction.
+    pub(super) fn trace_along(
+        &mut self,
+        held: &PrimitiveTable,
+        asked: &Asked<'_>,
+        rays: RayList<'_>,
+        direction: Vec3,
+    ) -> TraceStats {
+        let place = self.prepare(held, &[direction])[0];
+        let _span = debug_span!("trace_walking").entered();
+        let subfield = self.store.get(place);
+        let tasks = (0..rays.len().div_ceil(RAYS_PER_TASK)).into_par_iter();
+        let counted = tasks.map(|task_idx| {
+            let first = task_idx * RAYS_PER_TASK;
+            let entries = first..(first + RAYS_PER_TASK).min(rays.len());
+            self.trace_walking(asked, subfield, entries.map(|idx| rays.get(idx)))
+        });
+        counted.reduce(TraceStats::default, |a, b| a + b)
+    }
+
+    /// Answers rays direction by direction, as many directions at a time as the budget is good for.
+    pub(super) fn trace_sorted(
+        &mut self,
+        held: &PrimitiveTable,
+        asked: &Asked<'_>,
+        rays: RayList<'_>,
+    ) -> TraceStats {
+        let mut stats = self.sorter.sort(asked, rays);
+        let at_once = self.most_at_once(held);
+        let sorter = std::mem::take(&mut self.sorter);
+        for runs in sorter.runs().chunks(at_once) {
+            let directions: Vec<Vec3> = runs.iter().map(|run| run.direction).collect();
+            let places = self.prepare(held, &directions);
+            stats += self.trace_runs(asked, &sorter, runs, &places);
+        }
+        self.sorter = sorter;
+        stats
+    }
+
+    /// Traces the rays of some directions whose subfields are ready.
+    fn trace_runs(
+        &self,
+        asked: &Asked<'_>,
+        sorter: &DirectionSorter,
+        runs: &[Run],
+        places: &[usize],
+    ) -> TraceStats {
+        let _span = debug_span!("trace_walking").entered();
+        let tasks = runs.par_iter().zip(places).flat_map_iter(|(run, &place)| {
+            let starts = run.entries.clone().step_by(RAYS_PER_TASK);
+            starts.map(move |start| (place, start..(start + RAYS_PER_TASK).min(run.entries.end)))
+        });
+        let counted = tasks.map(|(place, entries)| {
+            self.trace_walking(asked, self.store.get(place), sorter.ray_idx(entries))
+        });
+        counted.reduce(TraceStats::default, |a, b| a + b)
+    }
+
+    /// Answers active rays of one subfield, given their positions in the batch.
+    fn trace_walking(
+        &self,
+        asked: &Asked<'_>,
+        subfield: &Subfield,
+        ray_idx: impl ExactSizeIterator<Item = usize>,
+    ) -> TraceStats {
+        let mut group = self.groups.take();
+        group.stats = TraceStats::default();
+        dispatch!(self.config.simd.level(), simd => {
+            trace_walking(simd, asked, subfield, &mut group, ray_idx);
+        });
+        let stats = group.stats;
+        self.groups.give_back(group);
+        stats
+    }
+
+    /// Bytes held.
+    pub(super) fn memory_usage(&self) -> usize {
+        self.contents.memory_usage()
+            + self.store.memory_usage()
+            + self.sorter.memory_usage()
+            + self.groups.sum(RayGroup::memory_usage)
+    }
+}
