@@ -7,6 +7,7 @@
 //! | `shatter` | every triangle of a solid, from whole to rubble | no hierarchy could be refitted |
 //! | `crowd` | twelve skinned figures | you want animation as productions have it |
 //! | `stadium` | a teapot and four balls, rigidly, in an arena | sizes differ by a thousand |
+//! | `teapot` | the same teapot alone | you want to know what the arena costs |
 //!
 //! **Invariants.** A scene depends on nothing but its name: two builds are equal (other machines
 //! may round sines differently). Each has a camera, lights and at least 240 frames at its own
@@ -67,6 +68,11 @@ const BUILTINS: &[Builtin] = &[
         about: "a teapot of 100,000 triangles turns in an arena one kilometer wide",
         frame_count: stadium::FRAME_COUNT,
     },
+    Builtin {
+        name: "teapot",
+        about: "the teapot of the stadium alone",
+        frame_count: stadium::FRAME_COUNT,
+    },
     museum("museum3", "64 triangles swarm and take shape in a mirrored hall"),
     museum("museum4", "256 triangles swarm and take shape in a mirrored hall"),
     museum("museum5", "1,024 triangles swarm and take shape in a mirrored hall"),
@@ -88,6 +94,7 @@ pub fn build(name: &str) -> Option<Scene> {
         "crowd" => Some(crowd::build()),
         "shatter" => Some(shatter::build()),
         "stadium" => Some(stadium::build()),
+        "teapot" => Some(stadium::build_teapot()),
         _ => museum::build(name.strip_prefix("museum")?.parse().ok()?),
     }
 }

@@ -1,5 +1,6 @@
 //! `stadium`: a teapot of a hundred thousand triangles turns in the middle of an arena one
-//! kilometer wide, while balls fly over the field far away.
+//! kilometer wide, while balls fly over the field far away. `teapot`: the same teapot alone, to see
+//! what the arena costs.
 //!
 //! The proverbial case for nested structures: what is fine for the arena is coarse for the teapot.
 //! P. Khanna, J. Mortensen, I. Yu and M. Slater name it as future work ("Fast Ray Tracing of Scenes
@@ -40,21 +41,28 @@ const LEATHER: MaterialIdx = MaterialIdx(3);
 const TEAPOT: NodeIdx = NodeIdx(0);
 const CAMERA: NodeIdx = NodeIdx(1);
 
-/// The scene.
+/// The teapot in the arena.
 pub(super) fn build() -> Scene {
-    let mut nodes = vec![node("teapot", None, HOVER * Vec3::Y), node("camera", None, Vec3::ZERO)];
-    let mut objects =
-        vec![object("arena", None, arena()), object("teapot", Some(TEAPOT), teapot())];
-    let ball = ball();
+    let mut scene = build_teapot();
+    scene.name = "stadium".to_owned();
+    scene.objects.insert(0, object("arena", None, arena()));
+    let (ball, times) = (ball(), times());
     for idx in 0..BALL_COUNT {
-        let ball_node = NodeIdx(nodes.len() as u32);
-        nodes.push(node("ball", None, ball_center(idx, 0.0)));
-        objects.push(object("ball", Some(ball_node), ball.clone()));
+        let ball_node = NodeIdx(scene.nodes.len() as u32);
+        scene.nodes.push(node("ball", None, ball_center(idx, 0.0)));
+        scene.objects.push(object("ball", Some(ball_node), ball.clone()));
+        let channel = translation_channel(ball_node, &times, |time| ball_center(idx, turn(time)));
+        scene.clips[0].channels.push(channel);
     }
+    scene
+}
+
+/// The teapot alone.
+pub(super) fn build_teapot() -> Scene {
     Scene {
-        name: "stadium".to_owned(),
-        nodes,
-        objects,
+        name: "teapot".to_owned(),
+        nodes: vec![node("teapot", None, HOVER * Vec3::Y), node("camera", None, Vec3::ZERO)],
+        objects: vec![object("teapot", Some(TEAPOT), teapot())],
         materials: materials(),
         lights: vec![Light {
             name: "sun".to_owned(),
@@ -181,11 +189,21 @@ fn camera() -> Camera {
     }
 }
 
-/// The teapot turns and bobs, the camera goes around it, the balls fly.
+const DURATION: f32 = FRAME_COUNT as f32 / FRAME_RATE;
+
+/// The times of all keys.
+fn times() -> Vec<f32> {
+    key_times(DURATION, FRAME_COUNT)
+}
+
+/// Rounds until a time, from 0 to 1.
+fn turn(time: f32) -> f32 {
+    time / DURATION
+}
+
+/// The teapot turns and bobs, the camera goes around it.
 fn motion() -> Clip {
-    let duration = FRAME_COUNT as f32 / FRAME_RATE;
-    let times = key_times(duration, FRAME_COUNT);
-    let turn = |time: f32| time / duration;
+    let times = times();
     let bob = |time: f32| (HOVER + 0.2 * (2.0 * TAU * turn(time)).sin()) * Vec3::Y;
     let spin = |time: f32| {
         Quat::from_rotation_y(TAU * turn(time))
@@ -198,10 +216,6 @@ fn motion() -> Clip {
     let mut channels = vec![rotation_channel(TEAPOT, &times, spin)];
     channels.push(translation_channel(TEAPOT, &times, bob));
     channels.extend(camera_channels(CAMERA, &times, eye, |_| 0.85 * Vec3::Y));
-    for idx in 0..BALL_COUNT {
-        let node = NodeIdx(CAMERA.0 + 1 + idx);
-        channels.push(translation_channel(node, &times, |time| ball_center(idx, turn(time))));
-    }
     Clip { name: "motion".to_owned(), channels }
 }
 
