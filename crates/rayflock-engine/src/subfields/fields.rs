@@ -59,16 +59,16 @@ impl Fields {
     }
 
     /// Chooses the set of directions for so many rays.
-    pub(super) fn choose_set(&mut self, held: &PrimitiveTable, ray_count: usize) {
-        let prim_count = held.geometry().prim_count();
+    pub(super) fn choose_set(&mut self, ray_count: usize) {
+        let prim_count = self.contents.prim_count();
         let moving_count = self.contents.moving.prim_count();
-        let most = self.most_at_once(held);
+        let most = self.most_at_once();
         self.sorter.choose(&self.config, &Work { ray_count, prim_count, moving_count }, most);
     }
 
     /// How many subfields the budget is good for, at least one.
-    pub(super) fn most_at_once(&self, held: &PrimitiveTable) -> usize {
-        (self.config.budget / self.store.bytes_each(held)).max(1)
+    pub(super) fn most_at_once(&self) -> usize {
+        (self.config.budget / self.store.bytes_each(&self.contents)).max(1)
     }
 
     /// Answers a batch whose rays share a direction.
@@ -125,7 +125,7 @@ impl Fields {
         rays: RayList<'_>,
     ) -> TraceStats {
         let mut stats = self.sorter.sort(asked, rays);
-        let at_once = self.most_at_once(held);
+        let at_once = self.most_at_once();
         let sorter = std::mem::take(&mut self.sorter);
         for runs in sorter.runs().chunks(at_once) {
             let directions: Vec<Vec3> = runs.iter().map(|run| run.direction).collect();

@@ -24,6 +24,9 @@ const MOST_DIRECTIONS: usize = 640;
 /// See [`Work::direction_count`].
 const SHARE: f32 = 0.2;
 
+/// For how many frames what rests should last to be worth its writing.
+const LASTING: usize = 32;
+
 /// Whatever is asked for, there are no more: the time to make a set grows with their square.
 const MOST_DIRECTIONS_EVER: usize = 4096;
 
@@ -65,7 +68,7 @@ impl Work {
     /// primitives in a tile it is [`SHARE`] of that; it is rounded to a power of four, so that sets
     /// last.
     fn direction_count(&self) -> usize {
-        let moving = self.moving_count.max(self.prim_count / 16).max(1);
+        let moving = self.moving_count.max(self.prim_count / LASTING).max(1);
         let wanted = self.ray_count as f32 * (self.prim_count as f32).sqrt() / moving as f32;
         let power = (SHARE * wanted.powf(2.0 / 3.0) / 10.0).max(1.0).log(4.0).round();
         (10.0 * 4.0_f32.powf(power)).min(MOST_DIRECTIONS as f32) as usize

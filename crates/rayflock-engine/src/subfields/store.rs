@@ -61,7 +61,7 @@ impl SubfieldStore {
         contents: &Contents,
         directions: &[Vec3],
     ) -> Vec<usize> {
-        let places = self.hold(config, table, directions);
+        let places = self.hold(config, table, contents, directions);
         let clock = self.clock;
         self.update(config, table, contents, |subfield| subfield.used == clock);
         places
@@ -78,10 +78,11 @@ impl SubfieldStore {
         &mut self,
         config: &Config,
         table: &PrimitiveTable,
+        contents: &Contents,
         directions: &[Vec3],
     ) -> Vec<usize> {
         self.clock += 1;
-        self.make_room(directions, self.bytes_each(table), config.budget);
+        self.make_room(directions, self.bytes_each(contents), config.budget);
         directions.iter().map(|&direction| self.find(direction, table)).collect()
     }
 
@@ -143,9 +144,9 @@ impl SubfieldStore {
     }
 
     /// Bytes that the subfield of one direction takes, about.
-    pub(super) fn bytes_each(&self, table: &PrimitiveTable) -> usize {
+    pub(super) fn bytes_each(&self, contents: &Contents) -> usize {
         let held = self.grid_bytes() / self.subfields.len().max(1);
-        held.max(BYTES_PER_PRIM * table.geometry().prim_count().max(1))
+        held.max(BYTES_PER_PRIM * contents.prim_count().max(1))
     }
 
     /// Number of subfields held.

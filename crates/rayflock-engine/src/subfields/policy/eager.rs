@@ -25,7 +25,7 @@ impl Policy for Eager {
         asked: &Asked<'_>,
         rays: RayList<'_>,
     ) -> TraceStats {
-        fields.choose_set(held, rays.len());
+        fields.choose_set(rays.len());
         let directions: Vec<Vec3> = fields.sorter.directions().to_vec();
         fields.prepare(held, &directions);
         fields.trace_sorted(held, asked, rays)

@@ -54,10 +54,10 @@ impl Policy for Locked {
         asked: &Asked<'_>,
         rays: RayList<'_>,
     ) -> TraceStats {
-        fields.choose_set(held, rays.len());
+        fields.choose_set(rays.len());
         let directions: Vec<Vec3> = fields.sorter.directions().to_vec();
         let _span = debug_span!("trace_locked").entered();
-        let places = fields.store.hold(&fields.config, held, &directions);
+        let places = fields.store.hold(&fields.config, held, &fields.contents, &directions);
         let Fields { config, contents, store, sorter, groups, .. } = fields;
         let Some(set) = sorter.set() else { return TraceStats::default() };
         let (subfields, builder) = store.share();

@@ -22,7 +22,7 @@ impl Policy for OnDemand {
         asked: &Asked<'_>,
         rays: RayList<'_>,
     ) -> TraceStats {
-        fields.choose_set(held, rays.len());
+        fields.choose_set(rays.len());
         fields.trace_sorted(held, asked, rays)
     }
 }
