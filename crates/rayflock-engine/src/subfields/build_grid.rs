@@ -9,6 +9,9 @@ use super::fill_block::BlockFiller;
 use super::tile_grid::{TileBlock, TileGrid};
 use crate::scratch::Scratch;
 
+/// The work of a grid is divided into at most so many tasks.
+pub(super) const MOST_TASKS: usize = 64;
+
 /// Primitives wanted in a block.
 const BLOCK_LEN: usize = 1024;
 
@@ -53,13 +56,16 @@ impl GridBuilder {
         // In one piece, nothing of it goes to another thread.
         let piece = if from.task_count == 1 { block_count } else { 1 };
         blocks.with_min_len(piece).for_each(|(block_idx, block)| {
-            let shares: Vec<&[FaceRow]> = bins.of_block(block_idx).collect();
+            let mut all = [&[][..]; MOST_TASKS];
+            let shares = all.iter_mut().zip(bins.of_block(block_idx));
+            let count = shares.map(|(place, share)| *place = share).count();
+            let shares: &[&[FaceRow]] = &all[..count];
             let others = bins.others_of_block(block_idx);
             if shares.iter().all(|share| share.is_empty()) && others.clone().next().is_none() {
                 return;
             }
             let mut filler = self.fillers.take();
-            filler.fill(block, [block_idx, block_bits as usize], from.tiles, &shares, others);
+            filler.fill(block, [block_idx, block_bits as usize], from.tiles, shares, others);
             self.fillers.give_back(filler);
             block.frame = frame;
         });

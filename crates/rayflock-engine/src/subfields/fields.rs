@@ -29,6 +29,9 @@ pub(super) struct Fields {
     pub(super) store: SubfieldStore,
     pub(super) sorter: DirectionSorter,
     pub(super) groups: Scratch<RayGroup>,
+    /// The directions of a batch, and the positions of their subfields in the store.
+    directions: Vec<Vec3>,
+    pub(super) places: Vec<usize>,
     /// Nanoseconds spent on bringing subfields up to date since that was asked last.
     update_ns: u64,
 }
@@ -39,13 +42,20 @@ impl Fields {
         Self { config, ..Self::default() }
     }
 
-    /// Brings the subfields of some directions, all different, up to date; returns their positions
-    /// in the store.
-    pub(super) fn prepare(&mut self, held: &PrimitiveTable, directions: &[Vec3]) -> Vec<usize> {
+    /// Brings the subfields of some directions, all different, up to date; `places` are then their
+    /// positions in the store.
+    fn prepare(&mut self, held: &PrimitiveTable, directions: &[Vec3]) {
         let start = Instant::now();
-        let places = self.store.prepare(&self.config, held, &self.contents, directions);
+        let Self { config, contents, store, places, .. } = self;
+        store.prepare(config, held, contents, directions, places);
         self.update_ns += start.elapsed().as_nanos() as u64;
-        places
+    }
+
+    /// Brings the subfields of the whole set up to date.
+    pub(super) fn prepare_set(&mut self, held: &PrimitiveTable) {
+        let sorter = std::mem::take(&mut self.sorter);
+        self.prepare(held, sorter.directions());
+        self.sorter = sorter;
     }
 
     /// Brings all subfields that are held up to date.
@@ -78,9 +88,9 @@ impl Fields {
         asked: &Asked<'_>,
         direction: Vec3,
     ) -> TraceStats {
-        let place = self.prepare(held, &[direction])[0];
+        self.prepare(held, &[direction]);
         let _span = debug_span!("trace_aligned").entered();
-        let (subfield, ray_count) = (self.store.get(place), asked.batch.len());
+        let (subfield, ray_count) = (self.store.get(self.places[0]), asked.batch.len());
         let tasks = (0..ray_count.div_ceil(RAYS_PER_TASK)).into_par_iter();
         let counted = tasks.map(|task_idx| {
             let mut group = self.groups.take();
@@ -105,9 +115,9 @@ impl Fields {
         rays: RayList<'_>,
         direction: Vec3,
     ) -> TraceStats {
-        let place = self.prepare(held, &[direction])[0];
+        self.prepare(held, &[direction]);
         let _span = debug_span!("trace_walking").entered();
-        let subfield = self.store.get(place);
+        let subfield = self.store.get(self.places[0]);
         let tasks = (0..rays.len().div_ceil(RAYS_PER_TASK)).into_par_iter();
         let counted = tasks.map(|task_idx| {
             let first = task_idx * RAYS_PER_TASK;
@@ -128,24 +138,21 @@ impl Fields {
         let at_once = self.most_at_once();
         let sorter = std::mem::take(&mut self.sorter);
         for runs in sorter.runs().chunks(at_once) {
-            let directions: Vec<Vec3> = runs.iter().map(|run| run.direction).collect();
-            let places = self.prepare(held, &directions);
-            stats += self.trace_runs(asked, &sorter, runs, &places);
+            let mut directions = std::mem::take(&mut self.directions);
+            directions.clear();
+            directions.extend(runs.iter().map(|run| run.direction));
+            self.prepare(held, &directions);
+            self.directions = directions;
+            stats += self.trace_runs(asked, &sorter, runs);
         }
         self.sorter = sorter;
         stats
     }
 
     /// Traces the rays of some directions whose subfields are ready.
-    fn trace_runs(
-        &self,
-        asked: &Asked<'_>,
-        sorter: &DirectionSorter,
-        runs: &[Run],
-        places: &[usize],
-    ) -> TraceStats {
+    fn trace_runs(&self, asked: &Asked<'_>, sorter: &DirectionSorter, runs: &[Run]) -> TraceStats {
         let _span = debug_span!("trace_walking").entered();
-        let tasks = runs.par_iter().zip(places).flat_map_iter(|(run, &place)| {
+        let tasks = runs.par_iter().zip(&self.places).flat_map_iter(|(run, &place)| {
             let starts = run.entries.clone().step_by(RAYS_PER_TASK);
             starts.map(move |start| (place, start..(start + RAYS_PER_TASK).min(run.entries.end)))
         });
@@ -174,7 +181,9 @@ impl Fields {
 
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
-        self.contents.memory_usage()
+        self.directions.capacity() * size_of::<Vec3>()
+            + self.places.capacity() * size_of::<usize>()
+            + self.contents.memory_usage()
             + self.store.memory_usage()
             + self.sorter.memory_usage()
             + self.groups.sum(RayGroup::memory_usage)

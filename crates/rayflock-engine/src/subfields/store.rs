@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use tracing::debug_span;
 
 use super::bin_triangles::{Projection, TileSettings};
-use super::build_grid::GridBuilder;
+use super::build_grid::{GridBuilder, MOST_TASKS};
 use super::config::{Config, TileOrder};
 use super::subfield::Subfield;
 use crate::primitives::PrimitiveTable;
@@ -13,9 +13,6 @@ use crate::wanted::Wanted;
 
 /// Tasks for each thread when one direction is built.
 const TASKS_PER_THREAD: usize = 2;
-
-/// There are at most so many tasks.
-const MOST_TASKS: usize = 64;
 
 /// Bytes that grids take for each primitive, about, as long as there are none to tell.
 const BYTES_PER_PRIM: usize = 256;
@@ -52,7 +49,7 @@ pub(super) struct SubfieldStore {
 }
 
 impl SubfieldStore {
-    /// Brings the subfields of some directions, all different, up to date; returns their positions,
+    /// Brings the subfields of some directions, all different, up to date; writes their positions,
     /// which hold until the next call.
     pub(super) fn prepare(
         &mut self,
@@ -60,11 +57,11 @@ impl SubfieldStore {
         table: &PrimitiveTable,
         contents: &Contents,
         directions: &[Vec3],
-    ) -> Vec<usize> {
-        let places = self.hold(config, table, contents, directions);
+        places: &mut Vec<usize>,
+    ) {
+        self.hold(config, table, contents, directions, places);
         let clock = self.clock;
         self.update(config, table, contents, |subfield| subfield.used == clock);
-        places
     }
 
     /// Brings all subfields that are held up to date.
@@ -72,7 +69,7 @@ impl SubfieldStore {
         self.update(config, table, contents, |_| true);
     }
 
-    /// Makes sure that there are subfields for some directions, whatever is in them; returns their
+    /// Makes sure that there are subfields for some directions, whatever is in them; writes their
     /// positions, which hold until the next call.
     pub(super) fn hold(
         &mut self,
@@ -80,10 +77,12 @@ impl SubfieldStore {
         table: &PrimitiveTable,
         contents: &Contents,
         directions: &[Vec3],
-    ) -> Vec<usize> {
+        places: &mut Vec<usize>,
+    ) {
         self.clock += 1;
         self.make_room(directions, self.bytes_each(contents), config.budget);
-        directions.iter().map(|&direction| self.find(direction, table)).collect()
+        places.clear();
+        places.extend(directions.iter().map(|&direction| self.find(direction, table)));
     }
 
     /// Brings what is out of date among the chosen subfields up to date, in parallel.

@@ -3,8 +3,6 @@
 //! Before the first batch there is no set of directions, so that of a frame is the one of the frame
 //! before.
 
-use glam::Vec3;
-
 use super::Policy;
 use crate::TraceStats;
 use crate::primitives::PrimitiveTable;
@@ -26,8 +24,7 @@ impl Policy for Eager {
         rays: RayList<'_>,
     ) -> TraceStats {
         fields.choose_set(rays.len());
-        let directions: Vec<Vec3> = fields.sorter.directions().to_vec();
-        fields.prepare(held, &directions);
+        fields.prepare_set(held);
         fields.trace_sorted(held, asked, rays)
     }
 }

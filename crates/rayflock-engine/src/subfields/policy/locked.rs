@@ -5,7 +5,6 @@
 //! Kept to be compared with. A thread that builds must not take up other work meanwhile, which
 //! might want the lock that it holds: it builds alone, in one piece.
 
-use glam::Vec3;
 use rayflock_geom::simd::{LANES, Simd, dispatch};
 use rayflock_geom::{RayOrder, RayState};
 use rayon::prelude::*;
@@ -41,7 +40,7 @@ struct Shared<'a> {
     set: &'a DirectionSet,
     subfields: Vec<HandOver<&'a mut Subfield>>,
     /// For each direction of the set, which of the subfields is its own.
-    places: Vec<usize>,
+    places: &'a [usize],
 }
 
 impl Policy for Locked {
@@ -55,11 +54,10 @@ impl Policy for Locked {
         rays: RayList<'_>,
     ) -> TraceStats {
         fields.choose_set(rays.len());
-        let directions: Vec<Vec3> = fields.sorter.directions().to_vec();
         let _span = debug_span!("trace_locked").entered();
-        let places = fields.store.hold(&fields.config, held, &fields.contents, &directions);
-        let Fields { config, contents, store, sorter, groups, .. } = fields;
+        let Fields { config, contents, store, sorter, groups, places, .. } = fields;
         let Some(set) = sorter.set() else { return TraceStats::default() };
+        store.hold(config, held, contents, set.directions(), places);
         let (subfields, builder) = store.share();
         let subfields = subfields.map(HandOver::new).collect();
         let shared =
