@@ -5,6 +5,7 @@
 
 mod bench;
 mod engine;
+mod sun;
 mod trace;
 
 use std::path::PathBuf;
@@ -22,6 +23,7 @@ pub(crate) use bench::{
     OutputArguments,
 };
 pub(crate) use engine::EngineChoice;
+pub(crate) use sun::{Per, SidesArgument, SunArguments};
 pub(crate) use trace::TraceArguments;
 
 const EXAMPLES: &str = "\
@@ -32,6 +34,7 @@ Examples:
   rayflock render fox.glb --clip Run --fps 30 -o run.mp4
   rayflock render builtin:museum5 --frames 0..59 --size 800x600 -o museum/
   rayflock render builtin:cornell --spp 16 -o cornell.png
+  rayflock sun house.glb --latitude 52.5 --longitude 13.4 --date 2024-06-21 --picture sun.png
 
 `rayflock help render` tells all about pictures, films and frames.";
 
@@ -71,6 +74,8 @@ pub(crate) enum Command {
     Render(Box<RenderArguments>),
     /// Tell what is in a scene, what moves how, and what is wrong with it.
     Info(InfoArguments),
+    /// Tell how many hours the sun shines on each face or vertex of a scene.
+    Sun(Box<SunArguments>),
     /// Measure engines side by side.
     Bench(Box<BenchArguments>),
 }

@@ -28,6 +28,14 @@ impl FrameRange {
         self.first..=self.last
     }
 
+    /// The frame that is shown during a part, when the frames are shared out evenly among
+    /// `part_count` equal parts, one at least; `part_idx < part_count`. The first frame is shown in
+    /// the first part; where frames are more than parts, some are left out.
+    pub(crate) fn at_part(self, part_idx: u32, part_count: u32) -> u32 {
+        let offset = u64::from(part_idx) * self.count() / u64::from(part_count.max(1));
+        self.first.saturating_add(u32::try_from(offset).unwrap_or(u32::MAX)).min(self.last)
+    }
+
     /// The frames in the middle of `part_count` equal parts; all frames where they are fewer.
     pub(crate) fn spread(self, part_count: u64) -> Vec<u32> {
         let parts = part_count.min(self.count());
@@ -78,6 +86,19 @@ mod tests {
         assert_eq!(spread("7..9", 5), [7, 8, 9]);
         assert_eq!(spread("4..4", 5), [4]);
         assert_eq!(spread("0..4294967295", 2), [1 << 30, 3 << 30]);
+    }
+
+    #[test]
+    fn frames_are_shared_out_evenly_among_parts() {
+        let shown = |text: &str, parts: u32| -> Vec<u32> {
+            let range: FrameRange = text.parse().unwrap();
+            (0..parts).map(|part| range.at_part(part, parts)).collect()
+        };
+        assert_eq!(shown("4..5", 6), [4, 4, 4, 5, 5, 5]);
+        assert_eq!(shown("0..2", 4), [0, 0, 1, 2]);
+        assert_eq!(shown("10..19", 4), [10, 12, 15, 17]);
+        assert_eq!(shown("7", 3), [7, 7, 7]);
+        assert_eq!(shown("0..4294967295", 2), [0, 1 << 31]);
     }
 
     #[test]

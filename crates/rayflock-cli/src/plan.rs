@@ -7,6 +7,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
+use glam::Affine3A;
 use rayflock::engine::EngineKind;
 use rayflock::render::{RenderSettings, View};
 use rayflock::scene::{Evaluator, Scene, SceneFrame, frame_bounds};
@@ -67,12 +68,22 @@ impl PlannedCamera {
     /// The camera of this name; without a name the first, or one that frames the whole motion
     /// where there is none.
     pub(crate) fn new(evaluator: &Evaluator, name: Option<&str>, size: Size) -> Result<Self> {
+        Self::upright(evaluator, name, size, &Affine3A::IDENTITY)
+    }
+
+    /// The same in a scene that `world_from_upright` has turned from one whose +Y points up.
+    pub(crate) fn upright(
+        evaluator: &Evaluator,
+        name: Option<&str>,
+        size: Size,
+        world_from_upright: &Affine3A,
+    ) -> Result<Self> {
         if let Some(idx) = evaluator.scene().camera_idx(name)? {
             return Ok(Self::InScene(idx));
         }
-        let bounds = evaluator.bounds_over_clip()?;
-        let (world_from_camera, projection) = frame_bounds(&bounds, size.aspect());
-        Ok(Self::Framing(View::new(world_from_camera, projection)))
+        let bounds = evaluator.bounds_over_clip()?.transformed(&world_from_upright.inverse());
+        let (upright_from_camera, projection) = frame_bounds(&bounds, size.aspect());
+        Ok(Self::Framing(View::new(*world_from_upright * upright_from_camera, projection)))
     }
 
     /// Where a frame of `scene` is seen from.

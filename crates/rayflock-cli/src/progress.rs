@@ -15,29 +15,33 @@ impl Progress {
     /// A bar for `frame_count` frames of which `done_count` are there already; those do not count
     /// towards the rate.
     pub(crate) fn new(activity: &str, frame_count: u64, done_count: u64) -> Self {
-        if !terminal::is_watched() {
-            return Self(ProgressBar::hidden());
-        }
         let template = "{msg} {wide_bar} {pos}/{len} frames, {per_sec}, {eta} left";
-        let style =
-            ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        let bar = ProgressBar::new(frame_count).with_style(style).with_message(activity.to_owned());
-        bar.set_position(done_count);
-        bar.reset_eta();
-        bar.enable_steady_tick(Duration::from_millis(250));
-        Self(bar)
+        let progress = Self::watched(template, activity, frame_count);
+        progress.0.set_position(done_count);
+        progress.0.reset_eta();
+        progress
+    }
+
+    /// A bar for `step_count` steps of the sun.
+    pub(crate) fn of_steps(activity: &str, step_count: u64) -> Self {
+        let template = "{msg} {wide_bar} {pos}/{len} steps, {per_sec}, {eta} left";
+        Self::watched(template, activity, step_count)
     }
 
     /// A bar for `cell_count` cells of very different length, whose time left is told by whoever
     /// measures them.
     pub(crate) fn of_cells(activity: &str, cell_count: u64) -> Self {
+        Self::watched("{msg} {wide_bar} {pos}/{len} cells{prefix}", activity, cell_count)
+    }
+
+    /// A bar of this look, if somebody watches it.
+    fn watched(template: &str, activity: &str, count: u64) -> Self {
         if !terminal::is_watched() {
             return Self(ProgressBar::hidden());
         }
-        let template = "{msg} {wide_bar} {pos}/{len} cells{prefix}";
         let style =
             ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        let bar = ProgressBar::new(cell_count).with_style(style).with_message(activity.to_owned());
+        let bar = ProgressBar::new(count).with_style(style).with_message(activity.to_owned());
         bar.enable_steady_tick(Duration::from_millis(250));
         Self(bar)
     }
@@ -48,7 +52,7 @@ impl Progress {
         self.0.inc(1);
     }
 
-    /// One more frame is done.
+    /// One more frame or step is done.
     pub(crate) fn advance(&self) {
         self.0.inc(1);
     }

@@ -60,7 +60,9 @@ impl Session {
             let record = self.render_frame(frame)?;
             if record.ignored > 0 && !ignored_before {
                 ignored_before = true;
-                progress.say(format_args!("warning: {}", ignored_text(&self.plan, &record)));
+                let name = &self.plan.input.name;
+                let text = ignored_text(name, frame, record.ignored, record.triangles);
+                progress.say(format_args!("warning: {text}"));
             }
             if self.plan.explain {
                 for choice in self.renderer.choices() {
@@ -161,11 +163,11 @@ fn record(
     }
 }
 
-fn ignored_text(plan: &RenderPlan, record: &FrameRecord) -> String {
+/// That `ignored` of `count` primitives of a frame do not count.
+pub(crate) fn ignored_text(input: &str, frame: u32, ignored: u64, count: u64) -> String {
     format!(
-        "{}: frame {}: {} of {} primitives are ignored, because they have no area or a coordinate \
-         that is not finite",
-        plan.input.name, record.frame, record.ignored, record.triangles
+        "{input}: frame {frame}: {ignored} of {count} primitives are ignored, because they have no \
+         area or a coordinate that is not finite"
     )
 }
 

@@ -6,6 +6,7 @@
 //! | [`mod@reference`] | you check a renderer: slow, plain, one ray at a time |
 //! | [`FrameRenderer`] | your code takes any renderer of frames |
 //! | [`tonemap`] | you show or store a [`Film`] |
+//! | [`sun`] | you want to know for how many hours the sun shines on each face or vertex |
 //!
 //! # What is rendered
 //!
@@ -56,6 +57,7 @@ mod settings;
 mod shading;
 mod stages;
 mod stats;
+pub mod sun;
 pub mod tonemap;
 mod view;
 mod wave;

@@ -125,7 +125,10 @@ impl FrameRenderer for WhittedRenderer {
 
 /// The rows of the film in bands of at most `batch_rays` pixels, but at least one row; of whole
 /// tiles where that fits.
-fn bands((width, height): (usize, usize), batch_rays: usize) -> impl Iterator<Item = Range<usize>> {
+pub(crate) fn bands(
+    (width, height): (usize, usize),
+    batch_rays: usize,
+) -> impl Iterator<Item = Range<usize>> {
     let rows = (batch_rays / width.max(1)).clamp(1, height.max(1));
     let rows = if rows > TILE { rows - rows % TILE } else { rows };
     (0..height).step_by(rows).map(move |start| start..(start + rows).min(height))

@@ -10,7 +10,7 @@
 //! | [`engine`] | you want hits: several engines, one answer |
 //! | [`scene`] | things have materials and move: clips, skins, morph targets, built-in scenes |
 //! | [`import`] | a scene is in a file: glTF, OBJ, PLY, STL |
-//! | [`render`] | you want pictures |
+//! | [`render`] | you want pictures, or hours of sun |
 //! | [`prelude`] | you want all of the usual names at once |
 //!
 //! # Hits

@@ -4,6 +4,7 @@ mod bench;
 mod demo;
 mod info;
 mod render;
+mod sun;
 
 use anyhow::Context;
 
@@ -16,11 +17,13 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
     let threads = match command {
         Command::Demo(args) => args.threads,
         Command::Render(args) => args.threads,
+        Command::Sun(args) => args.threads,
         Command::Info(_) => None,
         Command::Bench(args) => args.command.threads(),
     };
     let trace = match command {
         Command::Render(args) => args.trace.trace.as_deref(),
+        Command::Sun(args) => args.trace.trace.as_deref(),
         Command::Bench(args) => args.command.trace(),
         Command::Demo(_) | Command::Info(_) => None,
     };
@@ -33,6 +36,7 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
     let work = || match command {
         Command::Demo(args) => demo::run(args),
         Command::Render(args) => render::run(args),
+        Command::Sun(args) => sun::run(args),
         Command::Info(args) => info::run(args),
         Command::Bench(args) => bench::run(args),
     };

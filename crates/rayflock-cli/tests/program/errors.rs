@@ -9,7 +9,7 @@ facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 2 0 0\nendloo
 endsolid x\n";
 
 /// Runs, and expects `code`, the words of `expected` on standard error, and no new files.
-fn fails(work: &Workplace, words: &str, code: i32, expected: &[&str]) {
+pub(crate) fn fails(work: &Workplace, words: &str, code: i32, expected: &[&str]) {
     let before = work.names();
     let run = work.run(words);
     assert_eq!(run.code, code, "{words}: {}", run.stderr);

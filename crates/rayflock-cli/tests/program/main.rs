@@ -8,6 +8,7 @@ mod explain;
 mod formats;
 mod resume;
 mod stats;
+mod sun;
 mod trace;
 
 use std::path::{Path, PathBuf};

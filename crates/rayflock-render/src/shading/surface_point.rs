@@ -22,7 +22,7 @@
 //! only where the vertex normals are within [`SMOOTH_COS`] of the facet's: others mean hard edges
 //! that share normals, which lifting would let light leak around.
 
-use glam::{Vec2, Vec3, Vec3A};
+use glam::{DVec3, Vec2, Vec3, Vec3A};
 use rayflock_geom::{Hit, PrimKind, Ray, transform_point, transform_sphere};
 use rayflock_scene::MaterialIdx;
 
@@ -137,7 +137,7 @@ fn on_user_primitive(hit: &Hit, ray: &Ray) -> SurfacePoint {
 fn facing(position: Vec3, outward: Vec3, largest_coordinate: f32, ray: &Ray) -> SurfacePoint {
     let from_outside = outward.dot(ray.direction) <= 0.0;
     let facet_normal = if from_outside { outward } else { -outward };
-    let slack = SLACK * largest_coordinate.max(f32::MIN_POSITIVE);
+    let slack = slack(largest_coordinate);
     SurfacePoint {
         position,
         shadow_position: position + slack * facet_normal,
@@ -168,11 +168,21 @@ fn smooth(point: &mut SurfacePoint, shares: [f32; 3], corners: [Vec3; 3], normal
     }
 }
 
-/// The unit normal on the side from which the corners run counter-clockwise, formed in `f64` so
-/// that it does not underflow.
+/// The unit normal on the side from which the corners run counter-clockwise.
 fn triangle_normal(corners: [Vec3; 3]) -> Vec3 {
+    area_normal(corners).normalize_or_zero().as_vec3()
+}
+
+/// The normal on the side from which the corners run counter-clockwise, twice as long as the
+/// triangle is large; formed in `f64` so that it does not underflow.
+pub(crate) fn area_normal(corners: [Vec3; 3]) -> DVec3 {
     let [v0, v1, v2] = corners.map(Vec3::as_dvec3);
-    (v1 - v0).cross(v2 - v0).normalize_or_zero().as_vec3()
+    (v1 - v0).cross(v2 - v0)
+}
+
+/// How far off a surface rays start, where no coordinate of its corners exceeds this.
+pub(crate) fn slack(largest_coordinate: f32) -> f32 {
+    SLACK * largest_coordinate.max(f32::MIN_POSITIVE)
 }
 
 fn interpolated<T>(shares: [f32; 3], values: [T; 3]) -> T
