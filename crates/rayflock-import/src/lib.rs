@@ -38,6 +38,7 @@ mod ply;
 mod reporter;
 mod stl;
 mod texture;
+mod texture_files;
 
 #[cfg(test)]
 mod tests;
