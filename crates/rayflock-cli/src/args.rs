@@ -40,8 +40,9 @@ Examples:
 
 const RENDER_EXAMPLES: &str = "\
 Frames:
-  Frame f shows the time f / fps. A clip is one loop long and then repeats. Without --frames,
-  a film, a folder or a pattern gets the whole motion once, and a single picture gets frame 0.
+  Frame f shows the time f / fps. A clip is one loop long and then repeats; an .aff file has the
+  frames of its `a` line and no more. Without --frames, a film, a folder or a pattern gets the
+  whole motion once, and a single picture gets frame 0.
 
 Examples:
   rayflock render fox.glb -o fox.gif                       a film of the first clip
@@ -99,7 +100,7 @@ pub(crate) struct DemoArguments {
 /// Where a scene comes from.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct InputArguments {
-    /// A file (.gltf .glb .obj .ply .stl, each also .gz) or builtin:NAME.
+    /// A file (.gltf .glb .obj .ply .stl .aff .nff, each also .gz) or builtin:NAME.
     #[arg(value_name = "INPUT")]
     pub(crate) name: String,
 
@@ -107,6 +108,11 @@ pub(crate) struct InputArguments {
     /// CAD and robotics data.
     #[arg(long, value_name = "AXIS", default_value_t = UpAxis::Y)]
     pub(crate) up: UpAxis,
+
+    /// Level of detail up to which an .aff file includes others [default: what the file states, or
+    /// all].
+    #[arg(long, value_name = "LEVEL")]
+    pub(crate) detail: Option<u32>,
 }
 
 /// Options of `info`.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::UNIX_EPOCH;
 
 use anyhow::{Context, Result, bail, ensure};
-use rayflock::import::{self, LoadOptions, Reporter, UpAxis};
+use rayflock::import::{self, LoadOptions, Reporter};
 use rayflock::scene::builtin::{self, Builtin};
 use rayflock::scene::{Clip, Scene};
 
@@ -24,7 +24,7 @@ pub(crate) struct Input {
     pub(crate) scene: Arc<Scene>,
     /// What is wrong with the file without making it useless, for the user.
     pub(crate) warnings: Vec<String>,
-    /// Size, time and up axis of the file, to notice that it has changed; empty for built-in scenes.
+    /// Size, time and options of the file, to notice that it has changed; empty for built-in scenes.
     pub(crate) revision: String,
     /// Length of the motion in seconds, where the source has one of its own besides clips.
     own_duration: Option<f64>,
@@ -35,7 +35,7 @@ impl Input {
     pub(crate) fn open(args: &InputArguments) -> Result<Self> {
         match args.name.strip_prefix(BUILTIN) {
             Some(builtin) => Self::builtin(&args.name, builtin),
-            None => Self::file(&args.name, args.up),
+            None => Self::file(&args.name, &LoadOptions { up_axis: args.up, detail: args.detail }),
         }
     }
 
@@ -50,7 +50,7 @@ impl Input {
         Ok(Self { name: name.to_owned(), scene, warnings, revision, own_duration })
     }
 
-    fn file(name: &str, up_axis: UpAxis) -> Result<Self> {
+    fn file(name: &str, options: &LoadOptions) -> Result<Self> {
         let path = Path::new(name);
         let is_pattern = name.contains(['*', '?']) && !path.exists();
         ensure!(
@@ -60,12 +60,14 @@ impl Input {
         );
         let metadata = fs::metadata(path).with_context(|| format!("cannot read {name}"))?;
         let mut reporter = Reporter::new();
-        let scene = Arc::new(import::load_with(path, &LoadOptions { up_axis }, &mut reporter)?);
+        let scene = Arc::new(import::load_with(path, options, &mut reporter)?);
         let warnings = reporter.warnings().iter().map(ToString::to_string).collect();
         let modified =
             metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
         let age = modified.unwrap_or_default().as_nanos();
-        let revision = format!("{} bytes, {age} ns, {up_axis} up", metadata.len());
+        let detail = options.detail.map_or_else(String::new, |level| format!(", detail {level}"));
+        let revision =
+            format!("{} bytes, {age} ns, {} up{detail}", metadata.len(), options.up_axis);
         Ok(Self { name: name.to_owned(), scene, warnings, revision, own_duration: None })
     }
 
@@ -91,10 +93,12 @@ fn builtin_list() -> String {
 
 #[cfg(test)]
 mod tests {
+    use rayflock::import::UpAxis;
+
     use super::*;
 
     fn open(name: &str) -> Result<Input> {
-        Input::open(&InputArguments { name: name.to_owned(), up: UpAxis::Y })
+        Input::open(&InputArguments { name: name.to_owned(), up: UpAxis::Y, detail: None })
     }
 
     #[test]

@@ -6,11 +6,13 @@
 //! | OBJ | `.obj` with `.mtl` | polygons in groups, with materials by face |
 //! | PLY | `.ply` | polygons with attributes, or spheres; ascii, binary of both byte orders |
 //! | STL | `.stl` | binary and ascii; corners at one place are welded |
+//! | AFF | `.aff`, `.nff` | BART's animated scenes, and NFF: all but what makes surfaces one-sided |
 //!
 //! Each may be compressed: `.stl.gz` and so on. [`load`] chooses by extension.
 //!
 //! **Up.** Scenes are +Y up. glTF says so itself; OBJ, PLY and STL have no convention and are
-//! taken as they are, or turned by [`LoadOptions::up_axis`].
+//! taken as they are, or turned by [`LoadOptions::up_axis`]. AFF is taken as it is: its camera
+//! says what is up.
 //!
 //! **Damage.** Every file is taken for hostile: sizes are checked against the bytes that are
 //! there before anything is allocated, indices before they are used, and paths may not leave the
@@ -28,6 +30,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod aff;
 mod error;
 mod gltf;
 mod gz;
@@ -35,9 +38,11 @@ mod job;
 mod mesh_parts;
 mod obj;
 mod ply;
+mod polygon;
 mod reporter;
 mod stl;
 mod texture;
+mod texture_files;
 
 #[cfg(test)]
 mod tests;
@@ -52,13 +57,16 @@ pub use error::ImportError;
 pub use reporter::{Reporter, Warning};
 
 /// The extensions that are read, lower case, without `.gz`.
-pub const EXTENSIONS: &[&str] = &["gltf", "glb", "obj", "ply", "stl"];
+pub const EXTENSIONS: &[&str] = &["gltf", "glb", "obj", "ply", "stl", "aff", "nff"];
 
 /// How to take what a file leaves open.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoadOptions {
     /// Which way is up in files of formats that do not say: OBJ, PLY and STL.
     pub up_axis: UpAxis,
+    /// Files that an AFF file includes are read up to this level of detail; by default up to the
+    /// level that the file states, or all if it states none.
+    pub detail: Option<u32>,
 }
 
 /// Which way is up.
@@ -132,6 +140,7 @@ fn importer(extension: &str) -> Option<Importer> {
         "obj" => Some(obj::load),
         "ply" => Some(ply::load),
         "stl" => Some(stl::load),
+        "aff" | "nff" => Some(aff::load),
         _ => None,
     }
 }

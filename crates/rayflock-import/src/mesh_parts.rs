@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use rayflock_geom::{Mesh, is_degenerate_triangle};
-use rayflock_scene::{PrimMaterials, SurfaceAttributes, SurfaceMesh};
+use rayflock_scene::{MaterialIdx, PrimMaterials, SurfaceAttributes, SurfaceMesh};
 
 use crate::ImportError;
 use crate::job::Job;
@@ -40,6 +40,17 @@ impl MeshParts {
         let (uvs, colors, materials) = (self.uvs, self.colors, self.materials);
         let attributes = Arc::new(SurfaceAttributes { uvs, colors, materials });
         Ok(SurfaceMesh { mesh: Arc::new(mesh), normals: self.normals.into(), attributes })
+    }
+}
+
+/// The material of each primitive, as positions in a scene's list; uniform where all are the same.
+pub(crate) fn prim_materials(materials: &[u32]) -> PrimMaterials {
+    match materials {
+        [first, rest @ ..] if rest.iter().any(|material| material != first) => {
+            PrimMaterials::PerPrim(materials.iter().map(|&idx| MaterialIdx(idx)).collect())
+        }
+        [first, ..] => PrimMaterials::Uniform(MaterialIdx(*first)),
+        [] => PrimMaterials::default(),
     }
 }
 

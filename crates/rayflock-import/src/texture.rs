@@ -23,7 +23,7 @@ pub(crate) const PIXEL_LIMIT: u64 = 1 << 27;
 /// Bytes that a decoder may allocate: 1 GiB.
 const DECODER_LIMIT: u64 = 1 << 30;
 
-/// Decodes a PNG or JPEG, or says why it cannot be read. Takes its pixels from `pixels_left`.
+/// Decodes a PNG, JPEG or PNM (which PPM is), or says why it cannot be read. Takes its pixels from `pixels_left`.
 pub(crate) fn decode(bytes: &[u8], pixels_left: &mut u64) -> Result<RgbImage, String> {
     let reader = || {
         let mut reader = ImageReader::new(Cursor::new(bytes))
@@ -35,7 +35,7 @@ pub(crate) fn decode(bytes: &[u8], pixels_left: &mut u64) -> Result<RgbImage, St
         limits.max_alloc = Some(DECODER_LIMIT);
         reader.limits(limits);
         if reader.format().is_none() {
-            return Err("found neither PNG nor JPEG".to_owned());
+            return Err("found no PNG, JPEG or PNM".to_owned());
         }
         Ok(reader)
     };
@@ -105,7 +105,7 @@ pub(crate) mod tests {
     fn wrong_images_say_why() {
         assert_eq!(
             decode(b"garbage", &mut { PIXEL_LIMIT }).unwrap_err(),
-            "found neither PNG nor JPEG"
+            "found no PNG, JPEG or PNM"
         );
         let whole = png(64, 64, [1, 2, 3]);
         assert!(decode(&whole[..whole.len() / 2], &mut { PIXEL_LIMIT }).is_err());

@@ -1,10 +1,13 @@
-//! Damaged files of every format give an error or a scene, never a panic, and soon.
+//! Damaged files of every format give an error or a scene that makes frames, never a panic, and
+//! soon.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
 use rayflock_import::{Reporter, load};
+use rayflock_scene::Evaluator;
 
 /// Longest time that a file of a few kilobytes may take.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -25,6 +28,21 @@ const PLY_BINARY: &[u8] = b"ply\nformat binary_little_endian 1.0\nelement vertex
     \x03\0\0\0\0\x01\0\0\0\x02\0\0\0";
 const STL_ASCII: &[u8] = b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n\
     vertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
+
+/// Every command, and keys of every kind.
+const AFF: &[u8] = b"v from 0 0 5 at 0 0 0 up 0 1 0 angle 40 hither 1 resolution 8 6\n\
+    b 0 0 1 am 1 1 1 a 0 4 5 # end\nl 1 2 3 1 1 1\nla lamp 1 2 3\nd 1 f 1 0 0 1 0.5 20 0 0\n\
+    p 5 0 0 0 4 0 0 4 4 0 3 1 0 0 1 0\nfm 1 1 1 1 1 1 0 0 0 20 0.5 1.5\n\
+    pp 3 0 0 0 0 0 1 1 0 0 0 0 1 0 1 0 0 0 1 tt a.ppm 0 0 0 0 0 1 0 0 1 0 0 1 0 0 1\n\
+    xs 1 2 1 0 1 0 30 1 0 0 { s 0 0 0 1 c 0 0 0 1 0 1 0 0 x car { s 0 0 0 1\n\
+    m vertices 3 0 0 0 1 0 0 0 1 0 normals 1 0 0 1 texturecoords 1 a.ppm 0 0\n\
+    triangles 1 0 1 2 0 0 0 0 0 0 } }\ntpa 2 0 0 0 0 0 0 1 1 0 0 0 0 1 0 1 0 0 0 1\n\
+    3 0 0 1 0 0 1 1 0 1 0 0 1 0 1 1 0 0 1\nk car { transl 4 0 0 0 0 0 0 0 1 1 0 0 0 0 0\n\
+    2 2 0 0 0.5 0 0 3 3 0 0 0 0 0 rot 4 0 0 1 0 0 0 0 0 1 0 1 0 90 0 0 0 2 0 1 0 270 0 0 0\n\
+    3 1 0 0 9 0 0 0 scale 4 0 1 1 1 0 0 0 1 1 1 1 0 0 0 2 2 1 1 0 0 0 3 1 1 1 0 0 0\n\
+    visibility 2 1 0 2 1 }\nk camera { transl 4 0 0 0 0 0 0 0 1 1 0 0 0 0 0 2 2 0 0 0 0 0\n\
+    3 3 0 0 0 0 0 }\ni 0 b.aff\n";
+const AFF_INCLUDED: &[u8] = b"p 3 0 0 0 1 0 0 0 1 0\n";
 
 fn stl_binary() -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
@@ -111,7 +129,15 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
         ("a.stl", stl_binary()),
         ("a.gltf", gltf()),
         ("a.glb", glb()),
+        ("a.aff", AFF.to_vec()),
     ]
+}
+
+/// The files that samples name.
+fn write_neighbours(folder: &Path) {
+    for (name, bytes) in [("a.mtl", MTL), ("b.aff", AFF_INCLUDED)] {
+        std::fs::write(folder.join(name), bytes).expect("the new folder is writable");
+    }
 }
 
 fn load_in(folder: &Path, name: &str, bytes: &[u8]) -> Result<usize, String> {
@@ -119,7 +145,11 @@ fn load_in(folder: &Path, name: &str, bytes: &[u8]) -> Result<usize, String> {
     let start = Instant::now();
     let loaded = load(&folder.join(name), &mut Reporter::new());
     assert!(start.elapsed() < PATIENCE, "{name} took {:?}", start.elapsed());
-    loaded.map(|scene| scene.objects.len()).map_err(|error| error.to_string())
+    let scene = loaded.map_err(|error| error.to_string())?;
+    let object_count = scene.objects.len();
+    let mut evaluator = Evaluator::new(Arc::new(scene), None).expect("the scene hangs together");
+    evaluator.evaluate(0.5).expect("the scene makes frames");
+    Ok(object_count)
 }
 
 /// A change to a file.
@@ -171,7 +201,7 @@ fn apply(bytes: &mut Vec<u8>, damage: &Damage) {
 #[test]
 fn the_samples_are_sound() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("a.mtl"), MTL).unwrap();
+    write_neighbours(folder.path());
     for (name, bytes) in samples() {
         assert!(load_in(folder.path(), name, &bytes).is_ok_and(|count| count > 0), "{name}");
     }
@@ -180,6 +210,7 @@ fn the_samples_are_sound() {
 #[test]
 fn every_beginning_of_a_file_is_survived() {
     let folder = tempfile::tempdir().unwrap();
+    write_neighbours(folder.path());
     for (name, bytes) in samples() {
         for length in 0..bytes.len() {
             let _ = load_in(folder.path(), name, &bytes[..length]);
@@ -192,13 +223,13 @@ proptest! {
 
     #[test]
     fn damaged_files_are_survived(
-        sample_idx in 0..7_usize,
+        sample_idx in 0..8_usize,
         damages in prop::collection::vec(damage(), 1..6),
     ) {
         let folder = tempfile::tempdir().unwrap();
         let (name, mut bytes) = samples().swap_remove(sample_idx);
         damages.iter().for_each(|damage| apply(&mut bytes, damage));
-        std::fs::write(folder.path().join("a.mtl"), MTL).unwrap();
+        write_neighbours(folder.path());
         let _ = load_in(folder.path(), name, &bytes);
     }
 
@@ -212,7 +243,7 @@ proptest! {
     }
 
     #[test]
-    fn garbage_is_survived(name in 0..7_usize, bytes in prop::collection::vec(any::<u8>(), 0..500)) {
+    fn garbage_is_survived(name in 0..8_usize, bytes in prop::collection::vec(any::<u8>(), 0..500)) {
         let folder = tempfile::tempdir().unwrap();
         let _ = load_in(folder.path(), samples()[name].0, &bytes);
     }

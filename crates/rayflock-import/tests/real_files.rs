@@ -4,9 +4,12 @@
 //! `../shared/data` beside the repository is tried. Tests say so when they skip.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
+use glam::Vec3;
 use rayflock_import::{Reporter, load};
-use rayflock_scene::{Scene, SceneObject, Shape, SurfaceMesh};
+use rayflock_scene::builtin::museum::{KEY_TIMES, sculpture_keys};
+use rayflock_scene::{Evaluator, Scene, SceneObject, Shape, SurfaceMesh};
 
 /// The scene and its warnings, or `None` when the data is not there.
 fn load_data(relative: &str) -> Option<(Scene, Vec<String>)> {
@@ -25,7 +28,7 @@ fn load_data(relative: &str) -> Option<(Scene, Vec<String>)> {
 fn surface(object: &SceneObject) -> &SurfaceMesh {
     match &object.shape {
         Shape::Fixed(mesh) | Shape::Deformed { rest: mesh, .. } => mesh,
-        Shape::Animated(_) => panic!("importers make no animated meshes of these files"),
+        Shape::Animated(_) => panic!("not one of these files has animated meshes"),
     }
 }
 
@@ -112,7 +115,7 @@ fn skeletons_share_one_mesh() {
     assert_eq!((scene.nodes.len(), scene.clips[0].channels.len()), (924, 840));
     assert_eq!(joint_counts(&scene), [10]);
     let first = &surface(&scene.objects[0]).mesh;
-    let shared = scene.objects.iter().all(|o| std::sync::Arc::ptr_eq(&surface(o).mesh, first));
+    let shared = scene.objects.iter().all(|o| Arc::ptr_eq(&surface(o).mesh, first));
     assert!(shared);
 }
 
@@ -207,4 +210,84 @@ fn scans_have_their_counts() {
 fn empty_frames_of_a_sequence_are_empty_scenes() {
     let Some((scene, _)) = load_data("hypergrid/frames/Hypergrid_group0001.obj") else { return };
     assert!(triangle_count(&scene) <= 468);
+}
+
+/// Checks where the camera is, and where it looks, in the first and the last frame: at the second
+/// key and the last but one, or at the key that has the time. Directions are the rotation keys
+/// applied to -Z by hand.
+fn check_camera(scene: Scene, places: [(Vec3, Vec3); 2]) {
+    let rate = scene.default_frame_rate();
+    let last = scene.frame_count.expect("AFF scenes are finite") - 1;
+    let mut evaluator = Evaluator::new(Arc::new(scene), None).expect("the scene hangs together");
+    for (frame, (eye, forward)) in [0, last].into_iter().zip(places) {
+        let made = evaluator.evaluate(frame as f64 / rate).expect("the scene makes frames");
+        let camera = made.cameras[0];
+        assert!(Vec3::from(camera.translation).abs_diff_eq(eye, 1e-4), "{frame}: {camera}");
+        let found = camera.transform_vector3(Vec3::NEG_Z);
+        assert!(found.abs_diff_eq(forward.normalize(), 1e-3), "{frame}: {found}");
+    }
+}
+
+/// Triangles of objects that do not deform.
+fn fixed_triangle_count(scene: &Scene) -> usize {
+    let fixed = scene.objects.iter().filter(|object| matches!(object.shape, Shape::Fixed(_)));
+    fixed.map(|object| surface(object).mesh.triangles().len()).sum()
+}
+
+/// The warnings, without those of textures that did not come with the data and of triangles that
+/// have no area.
+fn surprises(warnings: &[String]) -> Vec<&str> {
+    let known = |warning: &&str| warning.contains("do without it") || warning.contains("no area");
+    warnings.iter().map(String::as_str).filter(|warning| !known(warning)).collect()
+}
+
+#[test]
+fn the_kitchen_of_bart_has_its_polygons_and_its_camera() {
+    let Some((scene, warnings)) = load_data("bart/kitchen/kitchen.aff") else { return };
+    assert_eq!(surprises(&warnings), [""; 0]);
+    assert_eq!(fixed_triangle_count(&scene), 110_561);
+    assert_eq!((scene.lights.len(), scene.frame_count), (6, Some(800)));
+    assert_eq!(scene.frame_rate, Some(799.0 / 20.0));
+    let first = (Vec3::new(3.75, 2.3, 3.6), Vec3::new(-0.313_48, -0.419_83, -0.851_74));
+    let last = (Vec3::new(3.274_88, 0.334_545, 2.980_28), Vec3::new(-0.717_36, -0.462_54, 0.521));
+    check_camera(scene, [first, last]);
+}
+
+#[test]
+fn the_robots_of_bart_have_their_polygons_and_their_keys() {
+    let Some((scene, warnings)) = load_data("bart/robot/Robot.aff") else { return };
+    let [back, idle, resting] = surprises(&warnings)[..] else { panic!("{warnings:#?}") };
+    assert!(back.contains("Robot1.aff line 263: 12 keys of \"gun_rot1\" go back"), "{back}");
+    assert!(idle.contains("the keys for old_camera move nothing"), "{idle}");
+    assert!(resting.contains("no keys for grip_lift1, grip_rot1, gun_lift2"), "{resting}");
+    assert_eq!(fixed_triangle_count(&scene), 71_708);
+    assert_eq!((scene.frame_count, scene.clips.len()), (Some(800), 1));
+    let first = (Vec3::new(-3.5, 2.0, -203.0), Vec3::new(0.058_82, 0.098_72, -0.993_37));
+    let last = (Vec3::new(0.0, 80.0, 0.0), Vec3::new(-0.141_45, -0.985_05, 0.098_28));
+    check_camera(scene, [first, last]);
+}
+
+#[test]
+fn the_museum_of_bart_has_its_polygons_cones_and_animated_triangles() {
+    let Some((scene, warnings)) = load_data("bart/museum/museum5.aff") else { return };
+    assert_eq!(surprises(&warnings), [""; 0]);
+    let cone_triangles = 8 * 128;
+    assert_eq!(fixed_triangle_count(&scene), 10_284 + cone_triangles);
+    let animated = scene.objects.iter().find_map(|object| match &object.shape {
+        Shape::Animated(mesh) => Some(mesh),
+        _ => None,
+    });
+    let sculpture = animated.expect("the sculpture moves");
+    let keys = sculpture_keys(5).expect("museum5 is generated");
+    for key in 2..5 {
+        let found = sculpture.at(KEY_TIMES[key] + 1.0).unwrap();
+        assert_eq!(found.mesh.vertices().len(), 3 * 1024);
+        for (found, expected) in found.mesh.vertices().iter().zip(&keys[key]) {
+            assert!(found.abs_diff_eq(*expected, 1e-6), "key {key}: {found} {expected}");
+        }
+    }
+    let first = (Vec3::new(0.0, 1.8, -9.0), Vec3::Z);
+    let last =
+        (Vec3::new(0.095_173_3, 1.749_33, -5.988_24), Vec3::new(0.190_34, -0.101_34, -0.976_47));
+    check_camera(scene, [first, last]);
 }

@@ -28,20 +28,23 @@ pub struct Channel {
     pub times: Vec<f32>,
     /// How values between keys come about.
     pub interpolation: Interpolation,
-    /// The keys: one value a key, or with [`Interpolation::CubicSpline`] three (in-tangent,
-    /// value, out-tangent).
+    /// The keys: as many values a key as [`Interpolation::values_per_key`] says.
     pub values: ChannelValues,
 }
 
-/// How values between keys come about (glTF 2.0, appendix C).
+/// How values between keys come about. All but `Squad` are those of glTF 2.0, appendix C.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
     /// The value of the key before.
     Step,
     /// Linear; spherical linear for rotations.
     Linear,
-    /// Cubic Hermite with stored tangents.
+    /// Cubic Hermite with stored tangents: in-tangent, value and out-tangent a key.
     CubicSpline,
+    /// Through the keys along spherical quadrangles, with stored control values: in-control, value
+    /// and out-control a key. It is made for rotations, whose signs count; other values take the
+    /// same way in straight lines.
+    Squad,
 }
 
 /// Keys of one kind of property.
@@ -60,14 +63,18 @@ pub enum ChannelValues {
         /// The weights, value after value.
         values: Vec<f32>,
     },
+    /// Whether objects on the node, or on nodes that hang on it, are there: one value a key, which
+    /// holds until the next, whatever the interpolation.
+    Visibility(Vec<bool>),
 }
 
 impl Interpolation {
-    /// Values that a channel stores for each key: 3 for cubic splines, or else 1.
+    /// Values that a channel stores for each key: 3 where tangents or controls are stored too, or
+    /// else 1.
     pub const fn values_per_key(self) -> usize {
         match self {
             Self::Step | Self::Linear => 1,
-            Self::CubicSpline => 3,
+            Self::CubicSpline | Self::Squad => 3,
         }
     }
 }
@@ -75,34 +82,38 @@ impl Interpolation {
 impl Channel {
     /// Whether the property has the same value at all times.
     pub(crate) fn is_constant(&self) -> bool {
-        let slots = self.interpolation.values_per_key();
+        let interpolation = self.interpolation;
         match &self.values {
             ChannelValues::Translation(values) | ChannelValues::Scale(values) => {
-                is_constant(values, 1, slots)
+                is_constant(values, 1, interpolation)
             }
-            ChannelValues::Rotation(values) => is_constant(values, 1, slots),
+            ChannelValues::Rotation(values) => is_constant(values, 1, interpolation),
             ChannelValues::Weights { weights_per_key, values } => {
-                is_constant(values, *weights_per_key, slots)
+                is_constant(values, *weights_per_key, interpolation)
             }
+            ChannelValues::Visibility(values) => values.windows(2).all(|pair| pair[0] == pair[1]),
         }
     }
 }
 
-/// Whether all keys have the same value and, where there are three slots a key, no tangents. A
-/// slot has `width` entries.
-fn is_constant<T: KeyValue>(values: &[T], width: usize, slots: usize) -> bool {
+/// Whether all keys and controls have the same value, and there are no tangents. A value has
+/// `width` entries.
+fn is_constant<T: KeyValue>(values: &[T], width: usize, interpolation: Interpolation) -> bool {
+    let slots = interpolation.values_per_key();
     let value_slot = slots / 2;
+    let has_tangents = interpolation == Interpolation::CubicSpline;
     values.iter().enumerate().all(|(idx, &value)| {
-        let is_value = idx / width % slots == value_slot;
+        let is_tangent = has_tangents && idx / width % slots != value_slot;
         let expected =
-            if is_value { values[value_slot * width + idx % width] } else { value * 0.0 };
+            if is_tangent { value * 0.0 } else { values[value_slot * width + idx % width] };
         value == expected
     })
 }
 
 impl Clip {
     /// The time within the clip, from 0 up to but without the [`duration`](Self::duration): clips
-    /// repeat for ever, before time 0 as after the end. So at exactly the duration, the clip is
+    /// repeat for ever, before time 0 as after the end, unless the scene states
+    /// [how many frames](crate::Scene::frame_count) it has. So at exactly the duration, the clip is
     /// at its start again; its last key is what times just before then approach. A time that is
     /// no number is taken for 0.
     pub fn local_time(&self, time: f64) -> f64 {
@@ -171,6 +182,8 @@ mod tests {
         assert!(!translation(Interpolation::Linear, &[one, zero]));
         assert!(translation(Interpolation::CubicSpline, &[zero, one, zero, zero, one, zero]));
         assert!(!translation(Interpolation::CubicSpline, &[zero, one, one, zero, one, zero]));
+        assert!(translation(Interpolation::Squad, &[one; 6]));
+        assert!(!translation(Interpolation::Squad, &[one, one, zero, one, one, one]));
         let weights = |values: &[f32]| {
             let values = ChannelValues::Weights { weights_per_key: 2, values: values.to_vec() };
             channel(Interpolation::Step, values).is_constant()

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, Mat3A};
-use rayflock_geom::{FrameChanges, Geometry, GeometryObject, ObjectId};
+use rayflock_geom::{FrameChanges, Geometry, GeometryObject, Mesh, ObjectId};
 use tracing::debug_span;
 
 use crate::animation::FRAME_TOLERANCE;
@@ -11,7 +11,8 @@ use crate::pose::Pose;
 use crate::track::ObjectTrack;
 use crate::validate;
 use crate::{
-    Clip, LightKind, MotionKind, NodeIdx, Scene, SceneError, SceneFrame, SceneObject, SurfaceMesh,
+    Clip, LightKind, MaterialIdx, MotionKind, NodeIdx, Scene, SceneError, SceneFrame, SceneObject,
+    SurfaceMesh,
 };
 
 /// How long a mesh that moves for ever is looked at, in seconds.
@@ -27,6 +28,8 @@ pub struct Evaluator {
     clip_idx: Option<usize>,
     pose: Pose,
     tracks: Vec<ObjectTrack>,
+    /// What hidden objects are made of.
+    nothing: SurfaceMesh,
     frame: SceneFrame,
 }
 
@@ -42,7 +45,8 @@ impl Evaluator {
         validate::check(&scene, clip)?;
         let pose = Pose::new(&scene.nodes, clip)?;
         let tracks = scene.objects.iter().map(ObjectTrack::new).collect();
-        Ok(Self { scene, clip_idx, pose, tracks, frame: SceneFrame::default() })
+        let nothing = SurfaceMesh::new(Mesh::default(), MaterialIdx::default());
+        Ok(Self { scene, clip_idx, pose, tracks, nothing, frame: SceneFrame::default() })
     }
 
     /// The scene.
@@ -94,7 +98,12 @@ impl Evaluator {
         let motion = |(object, track): (&SceneObject, &ObjectTrack)| {
             let rides =
                 !track.is_skinned() && object.node.is_some_and(|node| self.pose.moves(node));
-            let whole = if rides { MotionKind::Rigid } else { MotionKind::Static };
+            let vanishes = object.node.is_some_and(|node| self.pose.hides(node));
+            let whole = match (vanishes, rides) {
+                (true, _) => MotionKind::Topology,
+                (false, true) => MotionKind::Rigid,
+                (false, false) => MotionKind::Static,
+            };
             track.motion(&self.pose).max(whole)
         };
         self.scene.objects.iter().zip(&self.tracks).map(motion).collect()
@@ -110,13 +119,11 @@ impl Evaluator {
         let _span = debug_span!("evaluate").entered();
         if let Some(clip_idx) = self.clip_idx {
             let clip = &self.scene.clips[clip_idx];
-            self.pose.set_time(&self.scene.nodes, clip, clip.local_time(time));
+            let repeats = self.scene.frame_count.is_none();
+            let clip_time = if repeats { clip.local_time(time) } else { time };
+            self.pose.set_time(&self.scene.nodes, clip, clip_time);
         }
-        let surfaces = self
-            .tracks
-            .iter_mut()
-            .map(|track| track.surface_at(&self.pose, time, self.scene.materials.len()));
-        let surfaces = surfaces.collect::<Result<Vec<_>, _>>()?;
+        let surfaces = self.surfaces(time)?;
         let geometry = self.geometry(&surfaces)?;
         self.frame = SceneFrame {
             time,
@@ -127,6 +134,18 @@ impl Evaluator {
             cameras: self.cameras(),
         };
         Ok(&self.frame)
+    }
+
+    /// What the objects are made of; those on hidden nodes, of nothing.
+    fn surfaces(&mut self, time: f64) -> Result<Vec<SurfaceMesh>, SceneError> {
+        let objects = self.scene.objects.iter().zip(&mut self.tracks);
+        let surface = |(object, track): (&SceneObject, &mut ObjectTrack)| {
+            if object.node.is_some_and(|node| !self.pose.shows(node)) {
+                return Ok(self.nothing.clone());
+            }
+            track.surface_at(&self.pose, time, self.scene.materials.len())
+        };
+        objects.map(surface).collect()
     }
 
     /// The objects in the world.

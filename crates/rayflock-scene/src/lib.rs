@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | A world | [`Scene`], [`SceneObject`], [`Node`], [`Light`], [`Camera`] | you import or generate one |
 //! | What things look like | [`Material`], [`Texture`], [`SurfaceMesh`] | you import, or shade |
-//! | What nodes do | [`Clip`], [`Channel`] | joints, rigid parts and morph weights move by keys |
+//! | What nodes do | [`Clip`], [`Channel`] | joints, rigid parts and morph weights move by keys, or objects come and go |
 //! | Meshes that bend | [`Shape::Deformed`], [`MorphTarget`], [`Skin`] | vertices follow weights and joints |
 //! | Meshes keyed by vertex | [`VertexFrames`] | every vertex has a path, triangles stay |
 //! | Meshes keyed as a whole | [`MeshSequence`] | every frame has a mesh of its own |
@@ -23,7 +23,8 @@
 //! # Time
 //!
 //! One clip is played, and repeats: at its end it is at its start again
-//! ([`Clip::local_time`]). Animated meshes do not repeat; outside their time range they rest.
+//! ([`Clip::local_time`]), unless the scene states how many frames it has. Animated meshes do not
+//! repeat; outside their time range they rest.
 //! A frame depends on its time alone, not on the frames made before; only what it says about
 //! changes does.
 //!

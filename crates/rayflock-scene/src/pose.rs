@@ -1,8 +1,8 @@
-//! Where all nodes are at one time.
+//! Where all nodes are at one time, and whether they are there at all.
 //!
 //! Nodes are visited parents first, in an order found once; a node's place in the world is its
 //! parent's times its own. A clip replaces the parts of a node's place that it has channels for;
-//! the others stay at rest.
+//! the others stay at rest. A node is there if it and all that it hangs on are.
 //!
 //! **Invariants.** What no channel changes has the same bits at all times.
 //!
@@ -30,6 +30,11 @@ pub(crate) struct Pose {
     moves: Vec<bool>,
     /// Whether the clip changes the node's morph weights, a node each.
     morphs: Vec<bool>,
+    /// Whether the clip lets the node be there by itself, and whether it is, a node each.
+    visible: Vec<bool>,
+    shows: Vec<bool>,
+    /// Whether the clip hides the node, or one it hangs on, at any time, a node each.
+    hides: Vec<bool>,
 }
 
 impl Pose {
@@ -46,6 +51,9 @@ impl Pose {
             weights: nodes.iter().map(|node| node.rest_weights.clone()).collect(),
             moves: vec![false; nodes.len()],
             morphs: vec![false; nodes.len()],
+            visible: vec![true; nodes.len()],
+            shows: vec![true; nodes.len()],
+            hides: vec![false; nodes.len()],
         };
         for channel in clip.iter().flat_map(|clip| &clip.channels) {
             pose.prepare(channel);
@@ -53,6 +61,7 @@ impl Pose {
         for &node_idx in &pose.order {
             if let Some(parent) = nodes[node_idx].parent {
                 pose.moves[node_idx] |= pose.moves[parent.0 as usize];
+                pose.hides[node_idx] |= pose.hides[parent.0 as usize];
             }
         }
         pose.place(nodes);
@@ -89,16 +98,30 @@ impl Pose {
         self.morphs[node.0 as usize]
     }
 
+    /// Whether the node is there.
+    pub(crate) fn shows(&self, node: NodeIdx) -> bool {
+        self.shows[node.0 as usize]
+    }
+
+    /// Whether the clip hides the node at any time.
+    pub(crate) fn hides(&self, node: NodeIdx) -> bool {
+        self.hides[node.0 as usize]
+    }
+
     /// Notes what a channel moves, and takes its node's transform apart if it is a matrix.
     fn prepare(&mut self, channel: &Channel) {
         let node_idx = channel.node.0 as usize;
         let changes = !channel.is_constant();
-        if let ChannelValues::Weights { .. } = channel.values {
-            self.morphs[node_idx] |= changes;
-            return;
+        match &channel.values {
+            ChannelValues::Weights { .. } => self.morphs[node_idx] |= changes,
+            ChannelValues::Visibility(values) => self.hides[node_idx] |= values.contains(&false),
+            ChannelValues::Translation(_)
+            | ChannelValues::Rotation(_)
+            | ChannelValues::Scale(_) => {
+                self.rest[node_idx] = self.rest[node_idx].in_parts();
+                self.moves[node_idx] |= changes;
+            }
         }
-        self.rest[node_idx] = self.rest[node_idx].in_parts();
-        self.moves[node_idx] |= changes;
     }
 
     /// Gives one property of one node its value at a time.
@@ -112,6 +135,7 @@ impl Pose {
                 self.weights[node_idx].clear();
                 self.weights[node_idx].extend((0..*count).map(weight));
             }
+            (ChannelValues::Visibility(values), _) => self.visible[node_idx] = values[span.key()],
             (ChannelValues::Translation(values), LocalTransform::Parts { translation, .. }) => {
                 *translation = span.sample(interpolation, |i| values[i]);
             }
@@ -127,7 +151,8 @@ impl Pose {
         }
     }
 
-    /// Forms the places in the world from those relative to the parents.
+    /// Forms the places in the world from those relative to the parents, and hides what hangs on
+    /// what is hidden.
     fn place(&mut self, nodes: &[Node]) {
         for &node_idx in &self.order {
             let local = self.locals[node_idx].to_affine();
@@ -135,6 +160,9 @@ impl Pose {
                 Some(parent) => self.world_from_node[parent.0 as usize] * local,
                 None => local,
             };
+            let parent_shows =
+                nodes[node_idx].parent.is_none_or(|parent| self.shows[parent.0 as usize]);
+            self.shows[node_idx] = parent_shows && self.visible[node_idx];
         }
     }
 }

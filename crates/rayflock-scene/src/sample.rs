@@ -4,7 +4,8 @@
 //!
 //! **Source.** glTF 2.0 specification, appendix C (Khronos Group, 2021): step, linear, spherical
 //! linear along the shorter arc, and cubic Hermite interpolation whose stored tangents are scaled
-//! by the seconds between the keys; rotations are normalised.
+//! by the seconds between the keys; rotations are normalised. Squad: K. Shoemake, "Quaternion
+//! calculus and fast animation", SIGGRAPH course notes, 1987.
 //!
 //! **Departures.** Polynomials are written around the difference of two keys, so that between
 //! equal keys the value is exactly theirs and nothing seems to move.
@@ -16,6 +17,10 @@ use std::ops::{Add, Mul, Sub};
 use glam::{Quat, Vec3};
 
 use crate::Interpolation;
+
+/// Sine of the angle between quaternions below which an arc is taken for a straight line; its
+/// length is wrong by less than the square of this.
+const SLERP_LIMIT: f32 = 1e-3;
 
 /// Where a time lies among the keys of a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,8 +53,13 @@ impl KeySpan {
         Self { before, after, seconds, share: (time - times[before]) / seconds }
     }
 
+    /// The key at or before the time, or else the first.
+    pub(crate) fn key(&self) -> usize {
+        self.before
+    }
+
     /// The value in the span, where `stored(i)` is value `i` of the channel: one value a key, or
-    /// in-tangent, value and out-tangent a key for [`Interpolation::CubicSpline`].
+    /// three as [`Interpolation`] says.
     pub(crate) fn sample<T: KeyValue>(
         &self,
         interpolation: Interpolation,
@@ -63,6 +73,12 @@ impl KeySpan {
                 let (v0, v1) = (stored(3 * before + 1), stored(3 * after + 1));
                 let (out_tangent, in_tangent) = (stored(3 * before + 2), stored(3 * after));
                 self.hermite(v0, out_tangent, v1, in_tangent)
+            }
+            Interpolation::Squad => {
+                let (v0, v1) = (stored(3 * before + 1), stored(3 * after + 1));
+                let (out_control, in_control) = (stored(3 * before + 2), stored(3 * after));
+                let s = self.share;
+                v0.along(v1, s).along(out_control.along(in_control, s), 2.0 * s * (1.0 - s))
             }
         };
         value.made_valid()
@@ -86,6 +102,11 @@ pub(crate) trait KeyValue:
         self + (other - self) * share
     }
 
+    /// The value `share` of the way to `other` as it is stored: rotations may take the longer arc.
+    fn along(self, other: Self, share: f32) -> Self {
+        self + (other - self) * share
+    }
+
     /// The value as it can be used.
     fn made_valid(self) -> Self {
         self
@@ -100,6 +121,20 @@ impl KeyValue for Quat {
     fn towards(self, other: Self, share: f32) -> Self {
         let valid = (self.made_valid(), other.made_valid());
         if valid.0 == valid.1 { valid.0 } else { valid.0.slerp(valid.1, share) }
+    }
+
+    /// Both have unit length, or nearly. Signs stay as they are, so that the four values of a
+    /// quadrangle stay on one side.
+    fn along(self, other: Self, share: f32) -> Self {
+        let (apart, together) = ((other - self).length(), (other + self).length());
+        let angle = 2.0 * apart.atan2(together);
+        let sine = angle.sin();
+        if sine < SLERP_LIMIT {
+            // Too near for an arc: a straight line, or the same rotation with the other sign.
+            return if apart < together { self + (other - self) * share } else { self };
+        }
+        let weight = |part: f32| (part * angle).sin() / sine;
+        self * weight(1.0 - share) + other * weight(share)
     }
 
     /// The rotation with unit length; none where it has no length.
@@ -165,6 +200,36 @@ mod tests {
     }
 
     #[test]
+    fn squad_passes_its_keys_exactly_and_leaves_them_along_its_controls() {
+        let turn = |degrees: f32| Quat::from_rotation_z(degrees.to_radians());
+        // The controls of a steady turn are its keys.
+        let steady = [0.0, 0.0, 0.0, 100.0, 100.0, 100.0, 150.0, 150.0, 150.0].map(turn);
+        let at =
+            |stored: &[Quat], time| sample(Interpolation::Squad, &[0.0, 2.0, 3.0], stored, time);
+        for (time, degrees) in [(0.5, 25.0), (1.0, 50.0), (2.5, 125.0)] {
+            assert!(at(&steady, time).angle_between(turn(degrees)) < 1e-3);
+        }
+        let mut eased = steady;
+        (eased[2], eased[3]) = (turn(-40.0), turn(180.0));
+        for (key, time) in [0.0, 2.0, 3.0].into_iter().enumerate() {
+            assert_eq!(at(&eased, time), at(&steady, time));
+            assert!(at(&eased, time).angle_between(steady[3 * key + 1]) < 1e-6);
+        }
+        // At s = 1/4: 25 degrees along the keys, 15 along the controls, 3/8 of the way between.
+        assert!(at(&eased, 0.5).angle_between(turn(25.0 - 0.375 * 10.0)) < 1e-3);
+    }
+
+    #[test]
+    fn squad_takes_the_arc_that_is_stored() {
+        let [a, b] = [Quat::IDENTITY, Quat::from_xyzw(0.0, 0.0, 1.0, -1e-3).normalize()];
+        for (sign, side) in [(1.0, 1.0), (-1.0, -1.0)] {
+            let end = b * sign;
+            let middle = sample(Interpolation::Squad, &[0.0, 1.0], &[a, a, a, end, end, end], 0.5);
+            assert!((middle * Vec3::X).distance(side * Vec3::Y) < 1e-2, "{middle}");
+        }
+    }
+
+    #[test]
     fn cubic_rotations_are_normalised() {
         let zero = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
         let stored = [zero, Quat::IDENTITY, zero, zero, Quat::from_rotation_z(FRAC_PI_2), zero];
@@ -200,6 +265,9 @@ mod tests {
             prop_assert_eq!(sample(Interpolation::Linear, &times, &[vec; 3], time), vec);
             let cubic = [zero, vec, zero, zero, vec, zero, zero, vec, zero];
             prop_assert_eq!(sample(Interpolation::CubicSpline, &times, &cubic, time), vec);
+            let first = sample(Interpolation::Squad, &times, &[quat; 9], 0.0);
+            prop_assert_eq!(sample(Interpolation::Squad, &times, &[quat; 9], time), first);
+            prop_assert_eq!(sample(Interpolation::Squad, &times, &[vec; 9], time), vec);
         }
 
         #[test]

@@ -29,8 +29,9 @@ pub struct Scene {
     pub background: Option<Background>,
     /// Frames a second that the source states.
     pub frame_rate: Option<f64>,
-    /// Number of frames of a source that is finite by nature (a sequence of files); `None` where
-    /// clips repeat or nothing moves.
+    /// Number of frames of a source that is finite by nature (a sequence of files, an AFF file);
+    /// its clips do not repeat, but rest before and after. `None` where clips repeat or nothing
+    /// moves.
     pub frame_count: Option<usize>,
 }
 

@@ -163,7 +163,7 @@ fn check_times(label: impl Fn() -> String, times: &[f32]) -> Result<(), SceneErr
     Ok(())
 }
 
-/// Checks that there is a value, or with tangents three, for each key time.
+/// Checks that there is a value, or with tangents or controls three, for each key time.
 fn check_values(label: impl Fn() -> String, channel: &Channel) -> Result<(), SceneError> {
     let value_count = channel.times.len() * channel.interpolation.values_per_key();
     let (found, expected) = match &channel.values {
@@ -171,6 +171,7 @@ fn check_values(label: impl Fn() -> String, channel: &Channel) -> Result<(), Sce
             (values.len(), value_count)
         }
         ChannelValues::Rotation(values) => (values.len(), value_count),
+        ChannelValues::Visibility(values) => (values.len(), channel.times.len()),
         ChannelValues::Weights { weights_per_key, values } => {
             (values.len(), value_count.saturating_mul(*weights_per_key))
         }

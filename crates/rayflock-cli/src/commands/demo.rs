@@ -34,7 +34,7 @@ Nothing was built over the geometry of any frame. Next:
   rayflock render builtin:cornell --spp 16 -o cornell.png mirror and glass
   rayflock render builtin:crowd -o crowd.mp4              walking figures
   rayflock render builtin:shatter --size 800x600 -o s/    a folder of PNG pictures
-  rayflock render YOUR.glb -o yours.gif                   also .obj, .ply, .stl
+  rayflock render YOUR.glb -o yours.gif                   also .obj, .ply, .stl, .aff
   rayflock info YOUR.glb                                  what is in it and what moves how
   rayflock help render                                    everything else
 ";

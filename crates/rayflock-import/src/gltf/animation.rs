@@ -136,6 +136,7 @@ impl Source<'_> {
             }
             ChannelValues::Rotation(values) => values.iter().all(|value| value.is_finite()),
             ChannelValues::Weights { values, .. } => values.iter().all(|value| value.is_finite()),
+            ChannelValues::Visibility(_) => true,
         };
         match finite {
             true => Ok(values),
@@ -174,6 +175,7 @@ impl Source<'_> {
             ChannelValues::Weights { weights_per_key, values } => {
                 retain(values, &keep, values_per_key * *weights_per_key);
             }
+            ChannelValues::Visibility(values) => retain(values, &keep, 1),
         }
         let message =
             format!("{dropped} keys are not later than the key before; they are left out");

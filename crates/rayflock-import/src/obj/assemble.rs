@@ -12,10 +12,9 @@
 use std::collections::HashMap;
 
 use glam::{Vec2, Vec3};
-use rayflock_scene::{MaterialIdx, PrimMaterials};
 
 use super::parse::{Corner, Group, NONE, ObjFile};
-use crate::mesh_parts::MeshParts;
+use crate::mesh_parts::{MeshParts, prim_materials};
 
 /// The mesh of a group.
 pub(super) fn mesh_parts(file: &ObjFile, group: &Group) -> MeshParts {
@@ -45,16 +44,6 @@ pub(super) fn mesh_parts(file: &ObjFile, group: &Group) -> MeshParts {
         },
         materials: prim_materials(&group.materials),
         triangles,
-    }
-}
-
-fn prim_materials(materials: &[u32]) -> PrimMaterials {
-    match materials {
-        [first, rest @ ..] if rest.iter().any(|material| material != first) => {
-            PrimMaterials::PerPrim(materials.iter().map(|&idx| MaterialIdx(idx)).collect())
-        }
-        [first, ..] => PrimMaterials::Uniform(MaterialIdx(*first)),
-        [] => PrimMaterials::default(),
     }
 }
 

@@ -27,6 +27,7 @@ use rayflock_scene::{Material, Scene};
 
 use crate::ImportError;
 use crate::job::Job;
+use crate::texture_files::TextureFiles;
 use parse::ObjFile;
 
 /// Reads an OBJ file and the MTL files beside it.
@@ -57,7 +58,7 @@ fn add_materials(file: &ObjFile, scene: &mut Scene, job: &mut Job<'_>) {
             }
         }
     }
-    let mut textures = mtl::Textures::default();
+    let mut textures = TextureFiles::default();
     let mut unknown = Vec::new();
     for name in &file.material_names {
         let material = match library.get(name) {

@@ -16,11 +16,11 @@
 use std::collections::HashMap;
 
 use glam::Vec3;
-use rayflock_scene::{Fresnel, Material, Texture, TextureIdx};
+use rayflock_scene::{Fresnel, Material};
 
 use super::statement::{Statement, statements};
 use crate::job::Job;
-use crate::texture;
+use crate::texture_files::TextureFiles;
 
 /// A material as its file defines it.
 #[derive(Clone, Debug, Default)]
@@ -83,7 +83,7 @@ impl Definition {
     pub(super) fn material(
         &self,
         name: &str,
-        textures: &mut Textures,
+        textures: &mut TextureFiles,
         job: &mut Job<'_>,
     ) -> Material {
         let illum = self.illum.unwrap_or(2);
@@ -151,35 +151,4 @@ fn map_path(arguments: &str, mtl_path: &str) -> Option<String> {
     }
     let folder = mtl_path.rsplit_once(['/', '\\']).map(|(folder, _)| format!("{folder}/"));
     (!rest.is_empty()).then(|| folder.unwrap_or_default() + rest)
-}
-
-/// Textures by path, each loaded once.
-#[derive(Debug, Default)]
-pub(super) struct Textures {
-    pub(super) textures: Vec<Texture>,
-    loaded: HashMap<String, Option<TextureIdx>>,
-}
-
-impl Textures {
-    /// A texture that cannot be had is a warning.
-    fn load(&mut self, path: &str, job: &mut Job<'_>) -> Option<TextureIdx> {
-        if let Some(loaded) = self.loaded.get(path) {
-            return *loaded;
-        }
-        let bytes = job.read_neighbour(path);
-        let image = bytes.and_then(|bytes| texture::decode(&bytes, &mut job.pixels_left));
-        let loaded = match image {
-            Ok(image) => {
-                self.textures.push(texture::texture(path.to_owned(), &image));
-                Some(TextureIdx(self.textures.len() as u32 - 1))
-            }
-            Err(reason) => {
-                let message = format!("{reason}; materials do without it");
-                job.warn(format!("texture \"{path}\""), message);
-                None
-            }
-        };
-        self.loaded.insert(path.to_owned(), loaded);
-        loaded
-    }
 }

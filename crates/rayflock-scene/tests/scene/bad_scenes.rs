@@ -128,11 +128,12 @@ fn channel() -> impl Strategy<Value = Channel> {
     let interpolation = prop_oneof![
         Just(Interpolation::Step),
         Just(Interpolation::Linear),
-        Just(Interpolation::CubicSpline)
+        Just(Interpolation::CubicSpline),
+        Just(Interpolation::Squad)
     ];
     let times = prop::collection::vec(-2.0..2.0_f32, 1..4);
     let values = prop::collection::vec(prop::array::uniform4(value()), 9);
-    (0..3_u32, times, interpolation, values, 0..4).prop_map(
+    (0..3_u32, times, interpolation, values, 0..5).prop_map(
         |(node, mut times, interpolation, mut values, kind)| {
             times.sort_by(f32::total_cmp);
             values.truncate(times.len() * interpolation.values_per_key());
@@ -141,6 +142,7 @@ fn channel() -> impl Strategy<Value = Channel> {
                 0 => ChannelValues::Translation(vectors()),
                 1 => ChannelValues::Scale(vectors()),
                 2 => ChannelValues::Rotation(values.iter().map(|&v| Quat::from_array(v)).collect()),
+                3 => ChannelValues::Visibility(times.iter().map(|&time| time < 0.0).collect()),
                 _ => weights(1, &values.iter().map(|v| v[0]).collect::<Vec<_>>()),
             };
             Channel { node: NodeIdx(node), times, interpolation, values }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{Affine3A, Quat, Vec3};
 use rayflock_geom::{Aabb, ObjectId};
 use rayflock_scene::{
-    Camera, Falloff, Light, LightKind, LocalTransform, MeshSequence, MotionKind, NodeIdx,
-    Projection, Scene, Shape,
+    Camera, ChannelValues, Falloff, Light, LightKind, LocalTransform, MeshSequence, MotionKind,
+    NodeIdx, Projection, Scene, Shape,
 };
 
 use crate::build::{
@@ -182,6 +182,39 @@ fn bounds_hold_the_whole_clip_and_leave_the_frame_alone() {
     let after = evaluator.evaluate(0.0).unwrap();
     let unchanged = after.changes.iter().all(|(_, c)| c == rayflock_geom::ObjectChange::Unchanged);
     assert!(unchanged && after.geometry.bounds() == before.geometry.bounds());
+}
+
+#[test]
+fn hidden_nodes_hide_what_hangs_on_them() {
+    let nodes = vec![node(None, Vec3::ZERO), node(Some(0), Vec3::ZERO), node(None, Vec3::ZERO)];
+    let fixed = || Shape::Fixed(triangle());
+    let objects = vec![object("hidden", Some(1), fixed()), object("stays", Some(2), fixed())];
+    let mut scene = scene(nodes, objects);
+    let values = ChannelValues::Visibility(vec![true, false, true]);
+    let mut clip = clip(vec![(0, values)]);
+    clip.channels[0].times = vec![0.0, 1.0, 3.0];
+    scene.clips = vec![clip];
+    let mut evaluator = evaluator(scene);
+    assert_eq!(evaluator.motion_kinds(), [MotionKind::Topology, MotionKind::Static]);
+    let mut counts = |time| {
+        let objects = evaluator.evaluate(time).unwrap().geometry.objects().to_vec();
+        [0, 1].map(|idx| objects[idx].shape.prim_count())
+    };
+    assert_eq!([0.0, 1.0, 2.9].map(&mut counts), [[1, 1], [0, 1], [0, 1]]);
+    assert_eq!(counts(3.5), [1, 1]);
+}
+
+#[test]
+fn clips_of_finite_scenes_rest_before_and_after() {
+    let objects = vec![object("slides", Some(0), Shape::Fixed(triangle()))];
+    let mut scene = scene(vec![node(None, Vec3::ZERO)], objects);
+    scene.clips = vec![clip(vec![(0, slide(Vec3::ZERO, Vec3::X))])];
+    for (frame_count, expected) in [(None, [0.5, 0.5, 0.0]), (Some(49), [0.0, 0.5, 1.0])] {
+        scene.frame_count = frame_count;
+        let mut evaluator = evaluator(scene.clone());
+        let at = |time| evaluator.evaluate(time).unwrap().geometry.bounds().min.x;
+        assert_eq!([-1.0, 1.0, 2.0].map(at), expected);
+    }
 }
 
 #[test]

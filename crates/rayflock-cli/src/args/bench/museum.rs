@@ -28,7 +28,7 @@ Exit codes: 0 done; 1 the output failed, or films differ; 2 arguments or input a
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct BenchMuseumArguments {
-    /// A file (.gltf .glb .obj .ply .stl, each also .gz) or builtin:NAME.
+    /// A file (.gltf .glb .obj .ply .stl .aff .nff, each also .gz) or builtin:NAME.
     #[arg(value_name = "INPUT", default_value = "builtin:museum7")]
     pub(crate) input: String,
 
@@ -71,6 +71,6 @@ pub(crate) struct BenchMuseumArguments {
 impl BenchMuseumArguments {
     /// Where the scene comes from.
     pub(crate) fn input(&self) -> InputArguments {
-        InputArguments { name: self.input.clone(), up: self.up }
+        InputArguments { name: self.input.clone(), up: self.up, detail: None }
     }
 }
