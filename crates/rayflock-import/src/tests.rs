@@ -51,7 +51,7 @@ fn a_missing_file_and_a_folder_are_named() {
     assert!(message.contains("missing.stl"), "{message}");
     std::fs::create_dir(&missing).unwrap();
     let message = load(&missing, &mut Reporter::new()).unwrap_err().to_string();
-    assert!(message.contains("found a folder"), "{message}");
+    assert!(message.contains("missing.stl: folder: found no files"), "{message}");
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn z_up_files_can_be_turned() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.stl");
     std::fs::write(&path, TRIANGLE_STL).unwrap();
-    let options = LoadOptions { up_axis: UpAxis::Z };
+    let options = LoadOptions { up_axis: UpAxis::Z, ..LoadOptions::default() };
     let scene = load_with(&path, &options, &mut Reporter::new()).unwrap();
     let node = scene.objects[0].node.unwrap();
     let turned = scene.nodes[node.0 as usize].rest.to_affine().transform_point3(glam::Vec3::Z);

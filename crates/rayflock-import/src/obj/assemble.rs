@@ -17,8 +17,8 @@ use rayflock_scene::{MaterialIdx, PrimMaterials};
 use super::parse::{Corner, Group, NONE, ObjFile};
 use crate::mesh_parts::MeshParts;
 
-/// The mesh of a group.
-pub(super) fn mesh_parts(file: &ObjFile, group: &Group) -> MeshParts {
+/// The mesh of a group, and the position that each of its vertices has.
+pub(super) fn mesh_parts(file: &ObjFile, group: &Group) -> (MeshParts, Vec<u32>) {
     let mut vertices = Vertices::of(group);
     let triangles: Vec<[u32; 3]> =
         group.triangles.iter().map(|corners| corners.map(|corner| vertices.add(corner))).collect();
@@ -35,7 +35,8 @@ pub(super) fn mesh_parts(file: &ObjFile, group: &Group) -> MeshParts {
     };
     let has_normals = corners.iter().any(|corner| corner.normal != NONE);
     let has_uvs = corners.iter().any(|corner| corner.uv != NONE);
-    MeshParts {
+    let points = corners.iter().map(|corner| corner.position).collect();
+    let parts = MeshParts {
         positions: corners.iter().map(position).collect(),
         normals: if has_normals { corners.iter().map(normal).collect() } else { Vec::new() },
         uvs: if has_uvs { corners.iter().map(uv).collect() } else { Vec::new() },
@@ -45,7 +46,8 @@ pub(super) fn mesh_parts(file: &ObjFile, group: &Group) -> MeshParts {
         },
         materials: prim_materials(&group.materials),
         triangles,
-    }
+    };
+    (parts, points)
 }
 
 fn prim_materials(materials: &[u32]) -> PrimMaterials {
