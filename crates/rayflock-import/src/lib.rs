@@ -7,6 +7,7 @@
 //! | PLY | `.ply` | polygons with attributes, or points; ascii, binary of both byte orders |
 //! | STL | `.stl` | binary and ascii; corners at one place are welded |
 //! | VTK | `.vtk`, `.vtp` | polygons and strips with normals, or points; legacy and XML |
+//! | NumPy | `.npz` | frames of triangles or points as arrays |
 //! | sequences | folders, patterns | a file a frame: OBJ, PLY, STL or VTK |
 //!
 //! Each but point caches may be compressed: `.stl.gz` and so on. [`load`] chooses by extension.
@@ -40,6 +41,7 @@ mod gltf;
 mod gz;
 mod job;
 mod mesh_parts;
+mod npz;
 mod obj;
 mod options;
 mod particles;
@@ -66,7 +68,7 @@ use sequence::Source;
 
 /// The extensions that are read, lower case, without `.gz`.
 pub const EXTENSIONS: &[&str] =
-    &["gltf", "glb", "obj", "ply", "stl", "vtk", "vtp"];
+    &["gltf", "glb", "obj", "ply", "stl", "vtk", "vtp", "npz"];
 
 /// Reads the file at `path`, whose extension says how, where `.gz` on top means compressed; or
 /// the frames in the folder at `path`, or that match the pattern `path`.
@@ -141,6 +143,7 @@ fn importer(extension: &str) -> Option<Importer> {
         "ply" => Importer::Content(ply::load),
         "stl" => Importer::Content(stl::load),
         "vtk" | "vtp" => Importer::Content(vtk::load),
+        "npz" => Importer::Content(npz::load),
         _ => return None,
     })
 }
