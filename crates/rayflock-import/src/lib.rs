@@ -8,6 +8,7 @@
 //! | STL | `.stl` | binary and ascii; corners at one place are welded |
 //! | VTK | `.vtk`, `.vtp` | polygons and strips with normals, or points; legacy and XML |
 //! | NumPy | `.npz` | frames of triangles or points as arrays |
+//! | point caches | `.pc2`, `.mdd` | vertices of each frame, with the mesh beside the cache |
 //! | sequences | folders, patterns | a file a frame: OBJ, PLY, STL or VTK |
 //!
 //! Each but point caches may be compressed: `.stl.gz` and so on. [`load`] chooses by extension.
@@ -46,6 +47,7 @@ mod obj;
 mod options;
 mod particles;
 mod ply;
+mod point_cache;
 mod reporter;
 mod sequence;
 mod stl;
@@ -68,7 +70,7 @@ use sequence::Source;
 
 /// The extensions that are read, lower case, without `.gz`.
 pub const EXTENSIONS: &[&str] =
-    &["gltf", "glb", "obj", "ply", "stl", "vtk", "vtp", "npz"];
+    &["gltf", "glb", "obj", "ply", "stl", "vtk", "vtp", "npz", "pc2", "mdd"];
 
 /// Reads the file at `path`, whose extension says how, where `.gz` on top means compressed; or
 /// the frames in the folder at `path`, or that match the pattern `path`.
@@ -103,7 +105,12 @@ pub fn load_with(
 /// As for [`load`], when there are no frames or frames of several formats.
 pub fn source_files(path: &Path, options: &LoadOptions) -> Result<Vec<PathBuf>, ImportError> {
     Ok(match sequence::find(path, options)? {
-        Source::File => vec![path.to_owned()],
+        Source::File => match split_extension(path).0.as_str() {
+            "pc2" | "mdd" => {
+                [path.to_owned()].into_iter().chain(point_cache::mesh_file(path)).collect()
+            }
+            _ => vec![path.to_owned()],
+        },
         Source::Frames(files) => files,
     })
 }
@@ -144,6 +151,8 @@ fn importer(extension: &str) -> Option<Importer> {
         "stl" => Importer::Content(stl::load),
         "vtk" | "vtp" => Importer::Content(vtk::load),
         "npz" => Importer::Content(npz::load),
+        "pc2" => Importer::InPlace(point_cache::load_pc2),
+        "mdd" => Importer::InPlace(point_cache::load_mdd),
         _ => return None,
     })
 }
