@@ -26,6 +26,8 @@
 //! file's folder. What breaks the rules is an [`ImportError`]; what can be left out or put right
 //! is a [`Warning`] in the [`Reporter`], and the import goes on.
 //!
+//! **The other way.** [`export`] writes the geometry of frames: OBJ, PLY and NumPy.
+//!
 //! ```no_run
 //! use rayflock_import::{Reporter, load};
 //!
@@ -38,6 +40,7 @@
 #![forbid(unsafe_code)]
 
 mod error;
+pub mod export;
 mod gltf;
 mod gz;
 mod job;
@@ -98,8 +101,8 @@ pub fn load_with(
     }
 }
 
-/// The files that [`load_with`] takes geometry from: one; a point cache and its mesh; or one a frame
-/// in the order of frames.
+/// The files that [`load_with`] takes geometry from: one; a point cache and its mesh; or one a
+/// frame in the order of frames.
 ///
 /// # Errors
 /// As for [`load`], when there are no frames or frames of several formats.
