@@ -46,12 +46,15 @@ const UNSAFE_MODULES: [(&str, &str); 2] =
     [("rayflock-bench", "src/peer/embree/ffi.rs"), ("rayflock-geom", "src/prefetch.rs")];
 
 /// Dependencies that one crate alone may name.
-const GATEKEEPERS: [(&str, &str); 8] = [
+const GATEKEEPERS: [(&str, &str); 11] = [
     ("fearless_simd", "rayflock-geom"),
     ("gltf", "rayflock-import"),
     ("tobj", "rayflock-import"),
     ("ply-rs-bw", "rayflock-import"),
     ("stl_io", "rayflock-import"),
+    ("ndarray-npy", "rayflock-import"),
+    ("roxmltree", "rayflock-import"),
+    ("zip", "rayflock-import"),
     ("libloading", "rayflock-bench"),
     ("obvhs", "rayflock-bench"),
     ("webp-animation", "rayflock-cli"),

@@ -4,6 +4,7 @@
 //! does.
 
 mod bench;
+mod convert;
 mod engine;
 mod trace;
 
@@ -21,6 +22,7 @@ pub(crate) use bench::{
     BenchReportArguments, BenchScalingArguments, BenchSceneArguments, EngineArguments,
     OutputArguments,
 };
+pub(crate) use convert::ConvertArguments;
 pub(crate) use engine::EngineChoice;
 pub(crate) use trace::TraceArguments;
 
@@ -32,6 +34,8 @@ Examples:
   rayflock render fox.glb --clip Run --fps 30 -o run.mp4
   rayflock render builtin:museum5 --frames 0..59 --size 800x600 -o museum/
   rayflock render builtin:cornell --spp 16 -o cornell.png
+  rayflock render scan/ --frames 0..9 -o scan.gif          a folder of meshes, one a frame
+  rayflock convert fox.glb -o fox.npz                  triangles of each frame for NumPy
 
 `rayflock help render` tells all about pictures, films and frames.";
 
@@ -69,6 +73,8 @@ pub(crate) enum Command {
     Demo(DemoArguments),
     /// Render an animated scene to pictures or a film.
     Render(Box<RenderArguments>),
+    /// Write the triangles and points of each frame: .npz, or .ply and .obj sequences.
+    Convert(ConvertArguments),
     /// Tell what is in a scene, what moves how, and what is wrong with it.
     Info(InfoArguments),
     /// Measure engines side by side.
@@ -94,14 +100,24 @@ pub(crate) struct DemoArguments {
 /// Where a scene comes from.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct InputArguments {
-    /// A file (.gltf .glb .obj .ply .stl, each also .gz) or builtin:NAME.
+    /// A file (.gltf .glb .obj .ply .stl .vtk .vtp .npz, each also .gz; .pc2 .mdd), a sequence,
+    /// or builtin:NAME.
+    ///
+    /// A sequence is a mesh file a frame: a folder, a quoted pattern such as 'scan/*.ply.gz', or
+    /// the first of files whose names differ in their last number, such as mesh_0001.obj.
     #[arg(value_name = "INPUT")]
     pub(crate) name: String,
 
-    /// Which axis points up in .obj, .ply and .stl files, which do not say: y, or z as in most
-    /// CAD and robotics data.
+    /// Which axis points up in files that do not say, which are all but .gltf and .glb: y, or z as
+    /// in most CAD and robotics data.
     #[arg(long, value_name = "AXIS", default_value_t = UpAxis::Y)]
     pub(crate) up: UpAxis,
+
+    /// Move vertices straight from frame to frame of a sequence, point cache or frame set where
+    /// two frames have the same triangles; its frames are then 24 a second, or as many as it
+    /// states, whatever --fps. Without it, its frames are shown one each.
+    #[arg(long)]
+    pub(crate) interpolate: bool,
 }
 
 /// Options of `info`.

@@ -1,6 +1,7 @@
 //! The commands, one a file.
 
 mod bench;
+mod convert;
 mod demo;
 mod info;
 mod render;
@@ -16,13 +17,13 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
     let threads = match command {
         Command::Demo(args) => args.threads,
         Command::Render(args) => args.threads,
-        Command::Info(_) => None,
+        Command::Convert(_) | Command::Info(_) => None,
         Command::Bench(args) => args.command.threads(),
     };
     let trace = match command {
         Command::Render(args) => args.trace.trace.as_deref(),
         Command::Bench(args) => args.command.trace(),
-        Command::Demo(_) | Command::Info(_) => None,
+        Command::Demo(_) | Command::Convert(_) | Command::Info(_) => None,
     };
     let pool = rayon::ThreadPoolBuilder::new()
         .thread_name(|idx| format!("worker {idx}"))
@@ -33,6 +34,7 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
     let work = || match command {
         Command::Demo(args) => demo::run(args),
         Command::Render(args) => render::run(args),
+        Command::Convert(args) => convert::run(args),
         Command::Info(args) => info::run(args),
         Command::Bench(args) => bench::run(args),
     };

@@ -71,6 +71,6 @@ pub(crate) struct BenchMuseumArguments {
 impl BenchMuseumArguments {
     /// Where the scene comes from.
     pub(crate) fn input(&self) -> InputArguments {
-        InputArguments { name: self.input.clone(), up: self.up }
+        InputArguments { name: self.input.clone(), up: self.up, interpolate: false }
     }
 }
