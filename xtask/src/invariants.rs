@@ -46,12 +46,15 @@ const UNSAFE_MODULES: [(&str, &str); 2] =
     [("rayflock-bench", "src/peer/embree/ffi.rs"), ("rayflock-geom", "src/prefetch.rs")];
 
 /// Dependencies that few crates may name. The program writes PLY, so it may name that crate too.
-const GATEKEEPERS: [(&str, &[&str]); 8] = [
+const GATEKEEPERS: [(&str, &[&str]); 11] = [
     ("fearless_simd", &["rayflock-geom"]),
     ("gltf", &["rayflock-import"]),
     ("tobj", &["rayflock-import"]),
     ("ply-rs-bw", &["rayflock-import", "rayflock-cli"]),
     ("stl_io", &["rayflock-import"]),
+    ("ndarray-npy", &["rayflock-import", "rayflock-cli"]),
+    ("roxmltree", &["rayflock-import"]),
+    ("zip", &["rayflock-import"]),
     ("libloading", &["rayflock-bench"]),
     ("obvhs", &["rayflock-bench"]),
     ("webp-animation", &["rayflock-cli"]),

@@ -4,6 +4,7 @@
 //! does.
 
 mod bench;
+mod convert;
 mod engine;
 mod sun;
 mod trace;
@@ -22,6 +23,7 @@ pub(crate) use bench::{
     BenchReportArguments, BenchScalingArguments, BenchSceneArguments, EngineArguments,
     OutputArguments,
 };
+pub(crate) use convert::ConvertArguments;
 pub(crate) use engine::EngineChoice;
 pub(crate) use sun::{Per, SidesArgument, SunArguments};
 pub(crate) use trace::TraceArguments;
@@ -35,6 +37,8 @@ Examples:
   rayflock render builtin:museum5 --frames 0..59 --size 800x600 -o museum/
   rayflock render builtin:cornell --spp 16 -o cornell.png
   rayflock sun house.glb --latitude 52.5 --longitude 13.4 --date 2024-06-21 --picture sun.png
+  rayflock render scan/ --frames 0..9 -o scan.gif          a folder of meshes, one a frame
+  rayflock convert fox.glb -o fox.npz                  triangles of each frame for NumPy
 
 `rayflock help render` tells all about pictures, films and frames.";
 
@@ -73,6 +77,8 @@ pub(crate) enum Command {
     Demo(DemoArguments),
     /// Render an animated scene to pictures or a film.
     Render(Box<RenderArguments>),
+    /// Write the triangles and points of each frame: .npz, or .ply and .obj sequences.
+    Convert(ConvertArguments),
     /// Tell what is in a scene, what moves how, and what is wrong with it.
     Info(InfoArguments),
     /// Tell how many hours the sun shines on each face or vertex of a scene.
@@ -100,12 +106,16 @@ pub(crate) struct DemoArguments {
 /// Where a scene comes from.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct InputArguments {
-    /// A file (.gltf .glb .obj .ply .stl .aff .nff, each also .gz) or builtin:NAME.
+    /// A file (.gltf .glb .obj .ply .stl .vtk .vtp .npz .aff .nff, each also .gz; .pc2 .mdd), a
+    /// sequence, or builtin:NAME.
+    ///
+    /// A sequence is a mesh file a frame: a folder, a quoted pattern such as 'scan/*.ply.gz', or
+    /// the first of files whose names differ in their last number, such as mesh_0001.obj.
     #[arg(value_name = "INPUT")]
     pub(crate) name: String,
 
-    /// Which axis points up in .obj, .ply and .stl files, which do not say: y, or z as in most
-    /// CAD and robotics data.
+    /// Which axis points up in files that do not say, which are all but .gltf and .glb: y, or z as
+    /// in most CAD and robotics data.
     #[arg(long, value_name = "AXIS", default_value_t = UpAxis::Y)]
     pub(crate) up: UpAxis,
 
@@ -113,6 +123,12 @@ pub(crate) struct InputArguments {
     /// all].
     #[arg(long, value_name = "LEVEL")]
     pub(crate) detail: Option<u32>,
+
+    /// Move vertices straight from frame to frame of a sequence, point cache or frame set where
+    /// two frames have the same triangles; its frames are then 24 a second, or as many as it
+    /// states, whatever --fps. Without it, its frames are shown one each.
+    #[arg(long)]
+    pub(crate) interpolate: bool,
 }
 
 /// Options of `info`.

@@ -1,14 +1,14 @@
-//! Where a scene comes from: a file or `builtin:NAME`.
+//! Where a scene comes from: a file, a sequence of files or `builtin:NAME`.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::UNIX_EPOCH;
 
-use anyhow::{Context, Result, bail, ensure};
-use rayflock::import::{self, LoadOptions, Reporter};
+use anyhow::{Context, Result, bail};
+use rayflock::import::{self, LoadOptions, NumberedFile, Reporter};
 use rayflock::scene::builtin::{self, Builtin};
-use rayflock::scene::{Clip, Scene};
+use rayflock::scene::{Clip, InBetweens, Scene};
 
 use crate::args::InputArguments;
 
@@ -24,7 +24,8 @@ pub(crate) struct Input {
     pub(crate) scene: Arc<Scene>,
     /// What is wrong with the file without making it useless, for the user.
     pub(crate) warnings: Vec<String>,
-    /// Size, time and options of the file, to notice that it has changed; empty for built-in scenes.
+    /// Size and time of the files and how they are taken, to notice that they have changed; empty
+    /// for built-in scenes.
     pub(crate) revision: String,
     /// Length of the motion in seconds, where the source has one of its own besides clips.
     own_duration: Option<f64>,
@@ -33,9 +34,15 @@ pub(crate) struct Input {
 impl Input {
     /// Reads the scene that INPUT names.
     pub(crate) fn open(args: &InputArguments) -> Result<Self> {
+        Self::open_at(args, None)
+    }
+
+    /// Reads the scene that INPUT names. Sources that are frames by nature are shown at this many a
+    /// second, where one is asked for.
+    pub(crate) fn open_at(args: &InputArguments, fps: Option<f64>) -> Result<Self> {
         match args.name.strip_prefix(BUILTIN) {
             Some(builtin) => Self::builtin(&args.name, builtin),
-            None => Self::file(&args.name, &LoadOptions { up_axis: args.up, detail: args.detail }),
+            None => Self::files(args, fps),
         }
     }
 
@@ -50,25 +57,21 @@ impl Input {
         Ok(Self { name: name.to_owned(), scene, warnings, revision, own_duration })
     }
 
-    fn file(name: &str, options: &LoadOptions) -> Result<Self> {
-        let path = Path::new(name);
-        let is_pattern = name.contains(['*', '?']) && !path.exists();
-        ensure!(
-            !path.is_dir() && !is_pattern,
-            "{name}: found a folder or a pattern, expected one file or {BUILTIN}NAME; sequences \
-             of files cannot be read yet"
-        );
-        let metadata = fs::metadata(path).with_context(|| format!("cannot read {name}"))?;
+    fn files(args: &InputArguments, fps: Option<f64>) -> Result<Self> {
+        let options = LoadOptions {
+            up_axis: args.up,
+            detail: args.detail,
+            numbered_file: NumberedFile::FirstFrame,
+            // Frames in between need a rate that is not that of the pictures.
+            frame_rate: fps.filter(|_| !args.interpolate),
+            in_betweens: if args.interpolate { InBetweens::Linear } else { InBetweens::Held },
+        };
+        let path = Path::new(&args.name);
+        let revision = revision(&import::source_files(path, &options)?, args)?;
         let mut reporter = Reporter::new();
-        let scene = Arc::new(import::load_with(path, options, &mut reporter)?);
+        let scene = Arc::new(import::load_with(path, &options, &mut reporter)?);
         let warnings = reporter.warnings().iter().map(ToString::to_string).collect();
-        let modified =
-            metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
-        let age = modified.unwrap_or_default().as_nanos();
-        let detail = options.detail.map_or_else(String::new, |level| format!(", detail {level}"));
-        let revision =
-            format!("{} bytes, {age} ns, {} up{detail}", metadata.len(), options.up_axis);
-        Ok(Self { name: name.to_owned(), scene, warnings, revision, own_duration: None })
+        Ok(Self { name: args.name.clone(), scene, warnings, revision, own_duration: None })
     }
 
     /// Number of frames that show the whole motion once: all frames of a finite source, one loop
@@ -78,11 +81,30 @@ impl Input {
     /// first again.
     pub(crate) fn whole_motion(&self, clip: Option<&Clip>, fps: f64) -> u32 {
         if let Some(count) = self.scene.frame_count {
-            return u32::try_from(count).unwrap_or(u32::MAX);
+            let steps = count.saturating_sub(1) as f64 * fps / self.scene.default_frame_rate();
+            // The last frame counts, however its time is rounded.
+            return ((steps + 1e-3) as u32).saturating_add(1);
         }
         let duration = self.own_duration.or_else(|| clip.map(Clip::duration)).unwrap_or(0.0);
         ((duration * fps).round() as u32).max(1)
     }
+}
+
+/// Size and latest change of all files, and what else decides how they are read.
+fn revision(files: &[PathBuf], args: &InputArguments) -> Result<String> {
+    let (mut size, mut latest) = (0, 0);
+    for file in files {
+        let metadata =
+            fs::metadata(file).with_context(|| format!("cannot read {}", file.display()))?;
+        let modified =
+            metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+        size += metadata.len();
+        latest = latest.max(modified.unwrap_or_default().as_nanos());
+    }
+    let InputArguments { up, interpolate, detail, .. } = args;
+    let detail = detail.map_or_else(String::new, |level| format!(", detail {level}"));
+    let (count, taken) = (files.len(), format!("{up} up, interpolate {interpolate}{detail}"));
+    Ok(format!("{size} bytes in {count} files, {latest} ns, {taken}"))
 }
 
 /// The built-in scenes, one a line.
@@ -97,8 +119,12 @@ mod tests {
 
     use super::*;
 
+    fn arguments(name: &str, interpolate: bool) -> InputArguments {
+        InputArguments { name: name.to_owned(), up: UpAxis::Y, detail: None, interpolate }
+    }
+
     fn open(name: &str) -> Result<Input> {
-        Input::open(&InputArguments { name: name.to_owned(), up: UpAxis::Y, detail: None })
+        Input::open(&arguments(name, false))
     }
 
     #[test]
@@ -116,11 +142,30 @@ mod tests {
     }
 
     #[test]
-    fn folders_and_patterns_are_named_as_such() {
+    fn a_sequence_has_a_picture_a_file_unless_it_is_interpolated() {
         let folder = tempfile::tempdir().unwrap();
-        for name in [folder.path().to_str().unwrap(), "frames/*.obj"] {
-            let message = open(name).unwrap_err().to_string();
-            assert!(message.contains("sequences of files"), "{message}");
+        for number in 1..=5 {
+            let name = folder.path().join(format!("a{number}.obj"));
+            fs::write(name, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
         }
+        let folder = folder.path().to_str().unwrap();
+        let count = |interpolate, fps| {
+            let input = Input::open_at(&arguments(folder, interpolate), fps).unwrap();
+            input.whole_motion(None, fps.unwrap_or(24.0))
+        };
+        assert_eq!([count(false, None), count(false, Some(60.0))], [5, 5]);
+        let interpolated = [None, Some(48.0), Some(60.0), Some(6.0)].map(|fps| count(true, fps));
+        assert_eq!(interpolated, [5, 9, 11, 2]);
+    }
+
+    #[test]
+    fn a_file_that_changes_is_noticed() {
+        let folder = tempfile::tempdir().unwrap();
+        let name = folder.path().join("a.obj");
+        let revision = |text: &str| {
+            fs::write(&name, text).unwrap();
+            open(name.to_str().unwrap()).unwrap().revision
+        };
+        assert_ne!(revision("v 0 0 0\n"), revision("v 0 0 0\nv 1 1 1\n"));
     }
 }

@@ -7,6 +7,7 @@
 mod allocations;
 mod args;
 mod commands;
+mod convert_plan;
 mod failure;
 mod frames;
 mod input;

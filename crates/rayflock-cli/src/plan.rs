@@ -103,7 +103,7 @@ impl RenderPlan {
         check_edges(&target, args.size).blame_input()?;
         check_explained(args).blame_input()?;
 
-        let input = Input::open(&args.input).blame_input()?;
+        let input = Input::open_at(&args.input, args.fps).blame_input()?;
         let clip = args.clip.as_deref();
         let evaluator = Evaluator::new(input.scene.clone(), clip).blame_input()?;
         let camera =

@@ -20,8 +20,12 @@ const TOP_LIMIT: u64 = 4 << 30;
 
 /// The content of a gzip file of one or more members.
 pub(crate) fn decompress(file: &Path, compressed: &[u8]) -> Result<Vec<u8>, ImportError> {
-    let limit = (BASE_LIMIT + RATIO_LIMIT * compressed.len() as u64).min(TOP_LIMIT);
-    decompress_within(file, compressed, limit)
+    decompress_within(file, compressed, output_limit(compressed.len()))
+}
+
+/// Bytes that this many compressed ones may unfold to.
+pub(crate) fn output_limit(compressed_size: usize) -> u64 {
+    (BASE_LIMIT + RATIO_LIMIT * compressed_size as u64).min(TOP_LIMIT)
 }
 
 fn decompress_within(file: &Path, compressed: &[u8], limit: u64) -> Result<Vec<u8>, ImportError> {

@@ -3,9 +3,9 @@
 use std::path::{Component, Path, PathBuf};
 
 use glam::{Affine3A, Quat};
-use rayflock_scene::{LocalTransform, Node, NodeIdx, Scene, SceneObject, Shape, SurfaceMesh};
+use rayflock_scene::{LocalTransform, Node, NodeIdx, Scene, SceneObject, Shape};
 
-use crate::{ImportError, LoadOptions, Reporter, UpAxis, Warning};
+use crate::{ImportError, LoadOptions, Reporter, UpAxis, Warning, gz};
 
 /// What every importer needs besides the bytes.
 #[derive(Debug)]
@@ -15,6 +15,19 @@ pub(crate) struct Job<'a> {
     pub(crate) reporter: &'a mut Reporter,
     /// Pixels that images may still have, all together.
     pub(crate) pixels_left: u64,
+    /// Whether materials are wanted.
+    pub(crate) looks: Looks,
+    /// The radius of points that have none, once it is known.
+    pub(crate) point_radius: Option<f32>,
+}
+
+/// What is wanted of materials that lie in files of their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Looks {
+    /// Everything.
+    Read,
+    /// Their names: a frame of a sequence has the materials of the first.
+    Names,
 }
 
 impl<'a> Job<'a> {
@@ -24,7 +37,15 @@ impl<'a> Job<'a> {
         options: &'a LoadOptions,
         reporter: &'a mut Reporter,
     ) -> Self {
-        Self { file, options, reporter, pixels_left: crate::texture::PIXEL_LIMIT }
+        let pixels_left = crate::texture::PIXEL_LIMIT;
+        let (looks, point_radius) = (Looks::Read, None);
+        Self { file, options, reporter, pixels_left, looks, point_radius }
+    }
+
+    /// The same import, of another file.
+    pub(crate) fn of_file<'b>(&'b mut self, file: &'b Path) -> Job<'b> {
+        let Job { options, pixels_left, looks, point_radius, .. } = *self;
+        Job { file, options, reporter: self.reporter, pixels_left, looks, point_radius }
     }
 
     /// Tells that a part of the file was left out or put right.
@@ -65,14 +86,22 @@ impl<'a> Job<'a> {
         Ok(self.file.parent().unwrap_or(Path::new("")).join(relative))
     }
 
+    /// The content of the file, decompressed if its name ends in `.gz`.
+    pub(crate) fn content(&self) -> Result<Vec<u8>, ImportError> {
+        let io = |reason| ImportError::Io { file: self.file.to_owned(), reason };
+        let bytes = read_file(self.file).map_err(io)?;
+        let (_, compressed) = crate::split_extension(self.file);
+        if compressed { gz::decompress(self.file, &bytes) } else { Ok(bytes) }
+    }
+
     /// The content of a file beside this one.
     pub(crate) fn read_neighbour(&self, relative: &str) -> Result<Vec<u8>, String> {
         let path = self.neighbour(relative)?;
         read_file(&path).map_err(|reason| format!("\"{relative}\" cannot be read: {reason}"))
     }
 
-    /// Puts meshes of a format without a convention for "up" into a scene.
-    pub(crate) fn add_upright(&self, scene: &mut Scene, meshes: Vec<(String, SurfaceMesh)>) {
+    /// Puts objects of a format without a convention for "up" into a scene.
+    pub(crate) fn add_upright(&self, scene: &mut Scene, objects: Vec<(String, Shape)>) {
         let node = match self.options.up_axis {
             UpAxis::Y => None,
             UpAxis::Z => {
@@ -83,22 +112,25 @@ impl<'a> Job<'a> {
                 Some(NodeIdx(0))
             }
         };
-        let object = |(name, mesh)| {
-            let (mask, shape) = (u32::MAX, Shape::Fixed(mesh));
-            SceneObject { name, node, mask, shape }
-        };
-        scene.objects.extend(meshes.into_iter().map(object));
+        let object = |(name, shape)| SceneObject { name, node, mask: u32::MAX, shape };
+        scene.objects.extend(objects.into_iter().map(object));
     }
 }
 
 /// The bytes of a regular file, or why they cannot be had.
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, String> {
-    let metadata = std::fs::metadata(path).map_err(|error| error.to_string())?;
-    if !metadata.is_file() {
-        let found = if metadata.is_dir() { "a folder" } else { "a device or pipe" };
-        return Err(format!("found {found}, expected a file"));
-    }
+    check_file(path)?;
     std::fs::read(path).map_err(|error| error.to_string())
+}
+
+/// Whether there is a regular file at `path`, or what is there.
+pub(crate) fn check_file(path: &Path) -> Result<(), String> {
+    let metadata = std::fs::metadata(path).map_err(|error| error.to_string())?;
+    if metadata.is_file() {
+        return Ok(());
+    }
+    let found = if metadata.is_dir() { "a folder" } else { "a device or pipe" };
+    Err(format!("found {found}, expected a file"))
 }
 
 #[cfg(test)]

@@ -21,6 +21,15 @@ pub(crate) struct MeshParts {
     pub(crate) materials: PrimMaterials,
 }
 
+/// Which of the points in a file each vertex has, for caches that move points.
+#[derive(Debug)]
+pub(crate) struct VertexPoints {
+    /// Number of points.
+    pub(crate) count: usize,
+    /// A point a vertex, less than `count`, object by object.
+    pub(crate) of_vertices: Vec<u32>,
+}
+
 impl MeshParts {
     /// The mesh, with a warning for what will be ignored and for what was mended.
     ///
@@ -115,7 +124,7 @@ fn disagree(mesh: &Mesh, normals: &[Vec3], computed: &[Vec3]) -> bool {
 }
 
 /// The mean normal of the triangles around each vertex, by area; +Y where there are none.
-fn vertex_normals(mesh: &Mesh) -> Vec<Vec3> {
+pub(crate) fn vertex_normals(mesh: &Mesh) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; mesh.vertices().len()];
     for (triangle_idx, corners) in mesh.triangles().iter().enumerate() {
         let [a, b, c] = mesh.corners(triangle_idx);

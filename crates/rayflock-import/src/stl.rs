@@ -9,7 +9,7 @@
 use std::io::Cursor;
 
 use glam::Vec3;
-use rayflock_scene::{Material, Scene};
+use rayflock_scene::{Material, Scene, Shape};
 
 use crate::ImportError;
 use crate::job::Job;
@@ -42,7 +42,7 @@ pub(crate) fn load(mut bytes: Vec<u8>, job: &mut Job<'_>) -> Result<Scene, Impor
     let mesh = parts.build("mesh", job)?;
     let materials = vec![Material::default()];
     let mut scene = Scene { name: job.name(), materials, ..Scene::default() };
-    job.add_upright(&mut scene, vec![(job.name(), mesh)]);
+    job.add_upright(&mut scene, vec![(job.name(), Shape::Fixed(mesh))]);
     Ok(scene)
 }
 

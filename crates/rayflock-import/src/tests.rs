@@ -51,7 +51,7 @@ fn a_missing_file_and_a_folder_are_named() {
     assert!(message.contains("missing.stl"), "{message}");
     std::fs::create_dir(&missing).unwrap();
     let message = load(&missing, &mut Reporter::new()).unwrap_err().to_string();
-    assert!(message.contains("found a folder"), "{message}");
+    assert!(message.contains("missing.stl: folder: found no files"), "{message}");
 }
 
 #[test]

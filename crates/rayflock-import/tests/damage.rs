@@ -1,13 +1,14 @@
 //! Damaged files of every format give an error or a scene that makes frames, never a panic, and
 //! soon.
 
+use std::io::{Cursor, Write};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
 use rayflock_import::{Reporter, load};
-use rayflock_scene::Evaluator;
+use rayflock_scene::{Evaluator, Scene};
 
 /// Longest time that a file of a few kilobytes may take.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -43,6 +44,83 @@ const AFF: &[u8] = b"v from 0 0 5 at 0 0 0 up 0 1 0 angle 40 hither 1 resolution
     visibility 2 1 0 2 1 }\nk camera { transl 4 0 0 0 0 0 0 0 1 1 0 0 0 0 0 2 2 0 0 0 0 0\n\
     3 3 0 0 0 0 0 }\ni 0 b.aff\n";
 const AFF_INCLUDED: &[u8] = b"p 3 0 0 0 1 0 0 0 1 0\n";
+
+const VTK_ASCII: &[u8] = b"# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\n\
+    POINTS 4 float\n0 0 0 1 0 0 1 1 0 0 1 0\nPOLYGONS 1 5\n4 0 1 2 3\nTRIANGLE_STRIPS 1 4\n\
+    3 0 1 2\nLINES 1 3\n2 0 1\nPOINT_DATA 4\nSCALARS id int 1\nLOOKUP_TABLE default\n1 2 3 4\n\
+    FIELD f 1\nradius 1 4 float\n1 1 1 1\nNORMALS n float\n0 0 1 0 0 1 0 0 1 0 0 1\n";
+const VTK_BINARY: &[u8] = b"# vtk DataFile Version 5.1\nt\nBINARY\nDATASET UNSTRUCTURED_GRID\n\
+    POINTS 1 float\n\0\0\0\0\x3f\x80\0\0\0\0\0\0\nCELLS 2 1\nOFFSETS vtktypeint64\n\
+    \0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x01\nCONNECTIVITY vtktypeint64\n\0\0\0\0\0\0\0\0\n\
+    CELL_TYPES 1\n\0\0\0\x01\nPOINT_DATA 1\nFIELD f 1\nradius 1 1 float\n\x3f\x80\0\0\n";
+
+/// One triangle: text, base64, and bytes behind the elements.
+fn vtp() -> Vec<u8> {
+    let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let points: Vec<u8> = corners.map(f32::to_le_bytes).concat();
+    let points = encode(&[&36_u32.to_le_bytes(), points.as_slice()].concat());
+    let head = format!(
+        "<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\" header_type=\"UInt32\">\
+         <PolyData><Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\"><PointData><DataArray \
+         type=\"Float64\" Name=\"radius\" format=\"ascii\">1 2 3</DataArray></PointData><Points>\
+         <DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"binary\">{points}\
+         </DataArray></Points><Polys><DataArray type=\"Int32\" Name=\"connectivity\" \
+         format=\"appended\" offset=\"0\"/><DataArray type=\"Int32\" Name=\"offsets\" \
+         format=\"appended\" offset=\"16\"/></Polys></Piece></PolyData>\
+         <AppendedData encoding=\"raw\">_"
+    );
+    let words = [12_u32, 0, 1, 2, 4, 3].map(u32::to_le_bytes).concat();
+    [head.as_bytes(), &words, b"</AppendedData></VTKFile>"].concat()
+}
+
+/// An array as NumPy writes it.
+fn npy(kind: &str, shape: &str, bytes: &[u8]) -> Vec<u8> {
+    let mut text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
+    while (10 + text.len()) % 16 != 15 {
+        text.push(' ');
+    }
+    let length = (text.len() as u16 + 1).to_le_bytes();
+    [b"\x93NUMPY\x01\0", &length[..], text.as_bytes(), b"\n", bytes].concat()
+}
+
+/// The arrays of two frames of a triangle, of which the second has a sphere too.
+fn arrays() -> [(&'static str, Vec<u8>); 6] {
+    let floats = |count: usize| 0.5_f32.to_le_bytes().repeat(count);
+    let offsets = [0_i64, 3, 6].map(i64::to_le_bytes).concat();
+    [
+        ("vertices", npy("<f4", "(6, 3)", &floats(18))),
+        ("vertex_offsets", npy("<i8", "(3,)", &offsets)),
+        ("triangles", npy("<u4", "(1, 3)", &[0_u32, 1, 2].map(u32::to_le_bytes).concat())),
+        ("centers", npy("<f4", "(2, 1, 3)", &floats(6))),
+        ("radii", npy("<f4", "(1,)", &floats(1))),
+        ("frame_rate", npy("<f8", "()", &24_f64.to_le_bytes())),
+    ]
+}
+
+fn npz(arrays: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in arrays {
+        let options = zip::write::SimpleFileOptions::default();
+        zip.start_file(format!("{name}.npy"), options).expect("a file in memory");
+        zip.write_all(bytes).expect("a file in memory");
+    }
+    zip.finish().expect("a file in memory").into_inner()
+}
+
+/// The mesh that caches move.
+const CACHED_OBJ: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
+
+fn pc2() -> Vec<u8> {
+    let mut bytes = b"POINTCACHE2\0\x01\0\0\0\x03\0\0\0\0\0\0\0\0\0\x80\x3f\x02\0\0\0".to_vec();
+    bytes.extend([0x3f; 72]);
+    bytes
+}
+
+fn mdd() -> Vec<u8> {
+    let mut bytes = b"\0\0\0\x02\0\0\0\x03\0\0\0\0\x3f\x80\0\0".to_vec();
+    bytes.extend([0x3f; 72]);
+    bytes
+}
 
 fn stl_binary() -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
@@ -119,6 +197,9 @@ fn glb() -> Vec<u8> {
     bytes
 }
 
+/// Number of [`samples`].
+const SAMPLE_COUNT: usize = 14;
+
 /// A valid file of each kind: the name to load and its content.
 fn samples() -> Vec<(&'static str, Vec<u8>)> {
     vec![
@@ -130,25 +211,41 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
         ("a.gltf", gltf()),
         ("a.glb", glb()),
         ("a.aff", AFF.to_vec()),
+        ("a.vtk", VTK_ASCII.to_vec()),
+        ("a.vtk", VTK_BINARY.to_vec()),
+        ("a.vtp", vtp()),
+        ("a.npz", npz(&arrays())),
+        ("b.pc2", pc2()),
+        ("b.mdd", mdd()),
     ]
 }
 
 /// The files that samples name.
 fn write_neighbours(folder: &Path) {
-    for (name, bytes) in [("a.mtl", MTL), ("b.aff", AFF_INCLUDED)] {
+    for (name, bytes) in [("a.mtl", MTL), ("b.aff", AFF_INCLUDED), ("b.obj", CACHED_OBJ)] {
         std::fs::write(folder.join(name), bytes).expect("the new folder is writable");
     }
 }
 
+/// Loads a file, and its frames if it has any; gives the number of objects.
 fn load_in(folder: &Path, name: &str, bytes: &[u8]) -> Result<usize, String> {
     std::fs::write(folder.join(name), bytes).expect("the new folder is writable");
     let start = Instant::now();
-    let loaded = load(&folder.join(name), &mut Reporter::new());
+    let loaded = load(&folder.join(name), &mut Reporter::new()).map_err(|error| error.to_string());
+    let shown = loaded.and_then(show_frames);
     assert!(start.elapsed() < PATIENCE, "{name} took {:?}", start.elapsed());
-    let scene = loaded.map_err(|error| error.to_string())?;
-    let object_count = scene.objects.len();
-    let mut evaluator = Evaluator::new(Arc::new(scene), None).expect("the scene hangs together");
-    evaluator.evaluate(0.5).expect("the scene makes frames");
+    shown
+}
+
+/// Evaluates the first frames of a source that has frames.
+fn show_frames(scene: Scene) -> Result<usize, String> {
+    let (object_count, frame_count) = (scene.objects.len(), scene.frame_count.unwrap_or(0));
+    let rate = scene.default_frame_rate();
+    let error = |error: rayflock_scene::SceneError| error.to_string();
+    let mut evaluator = Evaluator::new(Arc::new(scene), None).map_err(error)?;
+    for frame in 0..frame_count.min(3) {
+        evaluator.evaluate(frame as f64 / rate).map_err(error)?;
+    }
     Ok(object_count)
 }
 
@@ -202,8 +299,10 @@ fn apply(bytes: &mut Vec<u8>, damage: &Damage) {
 fn the_samples_are_sound() {
     let folder = tempfile::tempdir().unwrap();
     write_neighbours(folder.path());
+    assert_eq!(samples().len(), SAMPLE_COUNT);
     for (name, bytes) in samples() {
-        assert!(load_in(folder.path(), name, &bytes).is_ok_and(|count| count > 0), "{name}");
+        let loaded = load_in(folder.path(), name, &bytes);
+        assert!(loaded.as_ref().is_ok_and(|count| *count > 0), "{name}: {loaded:?}");
     }
 }
 
@@ -223,7 +322,7 @@ proptest! {
 
     #[test]
     fn damaged_files_are_survived(
-        sample_idx in 0..8_usize,
+        sample_idx in 0..SAMPLE_COUNT,
         damages in prop::collection::vec(damage(), 1..6),
     ) {
         let folder = tempfile::tempdir().unwrap();
@@ -243,8 +342,43 @@ proptest! {
     }
 
     #[test]
-    fn garbage_is_survived(name in 0..8_usize, bytes in prop::collection::vec(any::<u8>(), 0..500)) {
+    fn garbage_is_survived(name in 0..SAMPLE_COUNT, bytes in prop::collection::vec(any::<u8>(), 0..500)) {
         let folder = tempfile::tempdir().unwrap();
+        write_neighbours(folder.path());
         let _ = load_in(folder.path(), samples()[name].0, &bytes);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
+
+    /// Damage that the checksums of a zip file would find.
+    #[test]
+    fn damaged_arrays_are_survived(
+        array_idx in 0..6_usize,
+        damages in prop::collection::vec(damage(), 1..6),
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let mut arrays = arrays();
+        damages.iter().for_each(|damage| apply(&mut arrays[array_idx].1, damage));
+        let _ = load_in(folder.path(), "a.npz", &npz(&arrays));
+    }
+
+    #[test]
+    fn damaged_frames_are_survived(
+        sample_idx in 0..SAMPLE_COUNT,
+        damages in prop::collection::vec(damage(), 1..6),
+    ) {
+        let (name, mut bytes) = samples().swap_remove(sample_idx);
+        let extension = &name[2..];
+        if ["obj", "ply", "stl", "vtk", "vtp"].contains(&extension) {
+            let folder = tempfile::tempdir().unwrap();
+            std::fs::write(folder.path().join("1").with_extension(extension), &bytes).unwrap();
+            damages.iter().for_each(|damage| apply(&mut bytes, damage));
+            std::fs::write(folder.path().join("2").with_extension(extension), &bytes).unwrap();
+            let scene = load(folder.path(), &mut Reporter::new()).unwrap();
+            prop_assert_eq!(scene.frame_count, Some(2));
+            let _ = show_frames(scene);
+        }
     }
 }

@@ -11,18 +11,37 @@ use rayflock_import::{Reporter, load};
 use rayflock_scene::builtin::museum::{KEY_TIMES, sculpture_keys};
 use rayflock_scene::{Evaluator, Scene, SceneObject, Shape, SurfaceMesh};
 
-/// The scene and its warnings, or `None` when the data is not there.
-fn load_data(relative: &str) -> Option<(Scene, Vec<String>)> {
+/// Where the data lies, or `None` when it is not there.
+fn data_path(relative: &str) -> Option<PathBuf> {
     let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
     let folder = std::env::var_os("RAYFLOCK_DATA").map_or(PathBuf::from(beside), PathBuf::from);
     let path = folder.join(relative);
-    if !path.exists() {
-        eprintln!("skipped: {} is not there (set RAYFLOCK_DATA)", path.display());
-        return None;
+    if path.exists() {
+        return Some(path);
     }
+    eprintln!("skipped: {} is not there (set RAYFLOCK_DATA)", path.display());
+    None
+}
+
+/// The scene and its warnings, or `None` when the data is not there.
+fn load_data(relative: &str) -> Option<(Scene, Vec<String>)> {
+    let path = data_path(relative)?;
     let mut reporter = Reporter::new();
     let scene = load(&path, &mut reporter).unwrap_or_else(|error| panic!("{error}"));
     Some((scene, reporter.warnings().iter().map(ToString::to_string).collect()))
+}
+
+/// The numbers of vertices and triangles of each frame.
+fn frame_counts(scene: Scene) -> Vec<(usize, usize)> {
+    let (frame_count, rate) = (scene.frame_count.unwrap_or(0), scene.default_frame_rate());
+    let mut evaluator =
+        Evaluator::new(Arc::new(scene), None).unwrap_or_else(|error| panic!("{error}"));
+    let mut counts = |frame: usize| {
+        let frame = evaluator.evaluate(frame as f64 / rate).unwrap_or_else(|e| panic!("{e}"));
+        let mesh = &frame.surfaces[0].mesh;
+        (mesh.vertices().len(), mesh.triangles().len())
+    };
+    (0..frame_count).map(&mut counts).collect()
 }
 
 fn surface(object: &SceneObject) -> &SurfaceMesh {
@@ -183,11 +202,8 @@ fn faces_of_the_rig_have_one_topology() {
 fn parts_of_the_dog_add_up() {
     let Some((first, _)) = load_data("dm-control-dog/dog_assets/BONEC_1.stl.gz") else { return };
     assert!(triangle_count(&first) > 0);
-    let folder = std::env::var_os("RAYFLOCK_DATA").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),
-        PathBuf::from,
-    );
-    let entries = std::fs::read_dir(folder.join("dm-control-dog/dog_assets")).unwrap();
+    let Some(folder) = data_path("dm-control-dog/dog_assets") else { return };
+    let entries = std::fs::read_dir(folder).unwrap();
     let parts: Vec<PathBuf> = entries
         .map(|entry| entry.unwrap().path())
         .filter(|path| path.to_string_lossy().ends_with(".stl.gz"))
@@ -207,9 +223,50 @@ fn scans_have_their_counts() {
 }
 
 #[test]
-fn empty_frames_of_a_sequence_are_empty_scenes() {
-    let Some((scene, _)) = load_data("hypergrid/frames/Hypergrid_group0001.obj") else { return };
-    assert!(triangle_count(&scene) <= 468);
+fn the_hypergrid_has_empty_frames_and_a_topology_each() {
+    let Some((scene, warnings)) = load_data("hypergrid/frames") else { return };
+    assert!(warnings.is_empty(), "{warnings:?}");
+    assert_eq!((scene.name.as_str(), scene.frame_count), ("Hypergrid_group", Some(240)));
+    let counts = frame_counts(scene);
+    let empty_count = counts.iter().filter(|(_, triangles)| *triangles == 0).count();
+    assert_eq!((empty_count, counts.iter().max()), (6, Some(&(308, 468))));
+}
+
+#[test]
+fn the_sweep_over_a_scan_has_its_counts() {
+    let Some((scene, warnings)) = load_data("ct-cranium/derived_isosweep") else { return };
+    assert!(warnings.len() == 1 && warnings[0].contains("182 triangles have no area"));
+    let counts = frame_counts(scene);
+    assert_eq!((counts.len(), counts[12]), (13, (1837, 3052)));
+    assert_eq!(counts.iter().max(), Some(&(135_396, 269_636)));
+}
+
+#[test]
+fn particles_are_spheres_with_a_usual_radius() {
+    for (file, count) in [
+        ("bunny_frame_14_7705_particles.vtk", 7706),
+        ("double_dam_break_frame_01_4732_particles.vtk", 4732),
+        ("hilbert2_18856_particles.vtk", 18_856),
+        ("sailors_knot_19539_particles.vtk", 19_539),
+    ] {
+        let Some((scene, warnings)) = load_data(&format!("sph-particles/{file}")) else { return };
+        println!("{warnings:?}");
+        assert_eq!(surface(&scene.objects[0]).mesh.spheres().len(), count);
+        assert!(warnings.len() == 1 && warnings[0].contains("without a radius"), "{warnings:?}");
+    }
+}
+
+#[test]
+fn snapshots_of_one_simulation_are_a_sequence() {
+    let Some(folder) = data_path("sph-particles") else { return };
+    let pattern = folder.join("double_dam_break_frame_*.vtk");
+    let scene = load(&pattern, &mut Reporter::new()).unwrap();
+    assert_eq!(scene.frame_count, Some(2));
+    let mut evaluator = Evaluator::new(Arc::new(scene), None).unwrap();
+    let [before, after] = [0.0, 1.0 / 24.0]
+        .map(|time| evaluator.evaluate(time).unwrap().surfaces[0].mesh.spheres().to_vec());
+    assert_eq!((before.len(), after.len()), (4732, 4732));
+    assert!(before[0].radius == after[0].radius && before[0].center != after[0].center);
 }
 
 /// Checks where the camera is, and where it looks, in the first and the last frame: at the second

@@ -4,7 +4,7 @@ use crate::SceneError;
 
 /// How far before a key a time may lie and still count as that key's, in seconds: frame times
 /// come as `frame / rate` or `frame * (1 / rate)` or from text, and should meet keys all the same.
-const TOLERANCE_SECONDS: f64 = 1e-6;
+pub(crate) const TOLERANCE_SECONDS: f64 = 1e-6;
 
 /// Checks that there are times, finite and strictly increasing.
 ///

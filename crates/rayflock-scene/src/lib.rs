@@ -12,6 +12,7 @@
 //! | Meshes that bend | [`Shape::Deformed`], [`MorphTarget`], [`Skin`] | vertices follow weights and joints |
 //! | Meshes keyed by vertex | [`VertexFrames`] | every vertex has a path, triangles stay |
 //! | Meshes keyed as a whole | [`MeshSequence`] | every frame has a mesh of its own |
+//! | Meshes too many to hold | [`FrameStream`], [`FrameSource`] | frames are loaded when they are shown |
 //! | Meshes as functions of time | [`AnimatedMesh`] | none of these fits |
 //! | Scenes at a time | [`Evaluator`], [`SceneFrame`], [`MotionKind`] | you trace or render |
 //! | A camera for scenes without | [`frame_bounds`] | the source brings none |
@@ -78,6 +79,7 @@
 
 mod animated_mesh;
 mod animation;
+mod blend;
 mod bounds_over_clip;
 pub mod builtin;
 mod camera;
@@ -85,6 +87,7 @@ mod deform;
 mod error;
 mod evaluator;
 mod frame;
+mod frame_stream;
 mod framing;
 mod key_times;
 mod light;
@@ -107,6 +110,7 @@ pub use camera::{Camera, Projection};
 pub use error::SceneError;
 pub use evaluator::Evaluator;
 pub use frame::SceneFrame;
+pub use frame_stream::{FRAMES_KEPT, FrameSource, FrameStream, InBetweens};
 pub use framing::frame_bounds;
 pub use light::{Falloff, Light, LightKind};
 pub use material::{Background, Fresnel, Material, MaterialIdx, Texture, TextureIdx};

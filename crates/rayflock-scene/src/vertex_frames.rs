@@ -9,6 +9,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use rayflock_geom::Mesh;
 
+use crate::blend::blended;
 use crate::key_times::{check_times, span_at};
 use crate::{AnimatedMesh, MotionKind, SceneError, SurfaceAttributes, SurfaceMesh};
 
@@ -88,22 +89,7 @@ impl AnimatedMesh for VertexFrames {
         if share == 0.0 {
             return Ok(self.key(before));
         }
-        let mut surface = self.key(before);
-        let after = &self.meshes[before + 1];
-        blend(Arc::make_mut(&mut surface.mesh).vertices_mut(), after.vertices(), share);
-        let normals = Arc::make_mut(&mut surface.normals);
-        blend(normals, &self.normals[before + 1], share);
-        for (normal, before) in normals.iter_mut().zip(&*self.normals[before]) {
-            *normal = normal.normalize_or(*before);
-        }
-        Ok(surface)
-    }
-}
-
-/// Moves `values` by `share` of the way to `targets`.
-fn blend(values: &mut [Vec3], targets: &[Vec3], share: f32) {
-    for (value, target) in values.iter_mut().zip(targets) {
-        *value += (*target - *value) * share;
+        Ok(blended(&self.key(before), &self.key(before + 1), share))
     }
 }
 

@@ -9,7 +9,7 @@
 //! | [`geom`] | you describe what can be hit, and ask about rays |
 //! | [`engine`] | you want hits: several engines, one answer |
 //! | [`scene`] | things have materials and move: clips, skins, morph targets, built-in scenes |
-//! | [`import`] | a scene is in a file: glTF, OBJ, PLY, STL |
+//! | [`import`] | a scene is in files: glTF, OBJ, PLY, STL, VTK, AFF, NumPy, sequences, caches |
 //! | [`render`] | you want pictures, or hours of sun |
 //! | [`prelude`] | you want all of the usual names at once |
 //!

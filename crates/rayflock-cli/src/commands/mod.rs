@@ -1,6 +1,7 @@
 //! The commands, one a file.
 
 mod bench;
+mod convert;
 mod demo;
 mod info;
 mod render;
@@ -18,14 +19,14 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Demo(args) => args.threads,
         Command::Render(args) => args.threads,
         Command::Sun(args) => args.threads,
-        Command::Info(_) => None,
+        Command::Convert(_) | Command::Info(_) => None,
         Command::Bench(args) => args.command.threads(),
     };
     let trace = match command {
         Command::Render(args) => args.trace.trace.as_deref(),
         Command::Sun(args) => args.trace.trace.as_deref(),
         Command::Bench(args) => args.command.trace(),
-        Command::Demo(_) | Command::Info(_) => None,
+        Command::Demo(_) | Command::Convert(_) | Command::Info(_) => None,
     };
     let pool = rayon::ThreadPoolBuilder::new()
         .thread_name(|idx| format!("worker {idx}"))
@@ -36,6 +37,7 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
     let work = || match command {
         Command::Demo(args) => demo::run(args),
         Command::Render(args) => render::run(args),
+        Command::Convert(args) => convert::run(args),
         Command::Sun(args) => sun::run(args),
         Command::Info(args) => info::run(args),
         Command::Bench(args) => bench::run(args),

@@ -20,6 +20,6 @@ mod target;
 mod webp;
 
 pub(crate) use film::Container;
-pub(crate) use names::FrameNames;
+pub(crate) use names::{FrameNames, folder_of};
 pub(crate) use picture::{Look, PictureFormat};
-pub(crate) use target::Target;
+pub(crate) use target::{Target, create_folder};

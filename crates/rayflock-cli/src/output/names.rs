@@ -24,13 +24,13 @@ pub(crate) enum FrameNames {
 }
 
 impl FrameNames {
-    /// Frames called `frame_0000.png` and so on.
-    pub(crate) fn in_folder(folder: &Path) -> Self {
+    /// Frames called `frame_0000.png` and so on, with this extension.
+    pub(crate) fn in_folder(folder: &Path, extension: &str) -> Self {
         Self::Numbered {
             folder: folder.to_owned(),
             prefix: "frame_".to_owned(),
             digits: DEFAULT_DIGITS,
-            suffix: ".png".to_owned(),
+            suffix: format!(".{extension}"),
         }
     }
 

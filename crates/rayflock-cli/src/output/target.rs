@@ -31,7 +31,7 @@ impl Target {
             PngDepth::Sixteen => PictureFormat::Png16,
         };
         if path.to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR]) || path.is_dir() {
-            return Ok(Self::Sequence(FrameNames::in_folder(path), png));
+            return Ok(Self::Sequence(FrameNames::in_folder(path, "png"), png));
         }
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let picture = |format| match FrameNames::from_pattern(path) {
@@ -55,7 +55,7 @@ impl Target {
             Self::Picture(path, _) if frame_count == 1 => FrameNames::Single(path.clone()),
             Self::Picture(path, _) => FrameNames::numbered_from(path),
             Self::Sequence(names, _) => names.clone(),
-            Self::Film(path, _) => FrameNames::in_folder(&work_folder(path)),
+            Self::Film(path, _) => FrameNames::in_folder(&work_folder(path), "png"),
         }
     }
 
@@ -95,7 +95,7 @@ pub(crate) fn work_folder(path: &Path) -> PathBuf {
 }
 
 /// Creates one folder, not those above it: a mistyped path is an error, not a tree of folders.
-fn create_folder(folder: &Path) -> Result<()> {
+pub(crate) fn create_folder(folder: &Path) -> Result<()> {
     if folder.is_dir() {
         return Ok(());
     }

@@ -1,12 +1,14 @@
 //! The program as a user meets it: arguments in, files, messages and exit codes out.
 
 mod bench;
+mod convert;
 mod demo_and_info;
 mod engines;
 mod errors;
 mod explain;
 mod formats;
 mod resume;
+mod sequences;
 mod stats;
 mod sun;
 mod trace;

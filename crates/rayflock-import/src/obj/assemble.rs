@@ -16,8 +16,8 @@ use glam::{Vec2, Vec3};
 use super::parse::{Corner, Group, NONE, ObjFile};
 use crate::mesh_parts::{MeshParts, prim_materials};
 
-/// The mesh of a group.
-pub(super) fn mesh_parts(file: &ObjFile, group: &Group) -> MeshParts {
+/// The mesh of a group, and the position that each of its vertices has.
+pub(super) fn mesh_parts(file: &ObjFile, group: &Group) -> (MeshParts, Vec<u32>) {
     let mut vertices = Vertices::of(group);
     let triangles: Vec<[u32; 3]> =
         group.triangles.iter().map(|corners| corners.map(|corner| vertices.add(corner))).collect();
@@ -34,7 +34,8 @@ pub(super) fn mesh_parts(file: &ObjFile, group: &Group) -> MeshParts {
     };
     let has_normals = corners.iter().any(|corner| corner.normal != NONE);
     let has_uvs = corners.iter().any(|corner| corner.uv != NONE);
-    MeshParts {
+    let points = corners.iter().map(|corner| corner.position).collect();
+    let parts = MeshParts {
         positions: corners.iter().map(position).collect(),
         normals: if has_normals { corners.iter().map(normal).collect() } else { Vec::new() },
         uvs: if has_uvs { corners.iter().map(uv).collect() } else { Vec::new() },
@@ -44,7 +45,8 @@ pub(super) fn mesh_parts(file: &ObjFile, group: &Group) -> MeshParts {
         },
         materials: prim_materials(&group.materials),
         triangles,
-    }
+    };
+    (parts, points)
 }
 
 /// Numbers the combinations that corners name.

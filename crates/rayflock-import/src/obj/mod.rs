@@ -23,32 +23,48 @@ mod tests;
 
 use std::collections::HashMap;
 
-use rayflock_scene::{Material, Scene};
+use rayflock_scene::{Material, Scene, Shape};
 
 use crate::ImportError;
-use crate::job::Job;
+use crate::job::{Job, Looks};
+use crate::mesh_parts::VertexPoints;
 use crate::texture_files::TextureFiles;
 use parse::ObjFile;
 
 /// Reads an OBJ file and the MTL files beside it.
 pub(crate) fn load(bytes: Vec<u8>, job: &mut Job<'_>) -> Result<Scene, ImportError> {
+    load_with_points(bytes, job).map(|(scene, _)| scene)
+}
+
+/// Reads an OBJ file like [`load`], and tells which `v` each vertex has.
+pub(crate) fn load_with_points(
+    bytes: Vec<u8>,
+    job: &mut Job<'_>,
+) -> Result<(Scene, VertexPoints), ImportError> {
     let mut file = parse::parse(&bytes, job)?;
     drop(bytes);
     let mut scene = Scene { name: job.name(), ..Scene::default() };
     add_materials(&file, &mut scene, job);
-    let mut meshes = Vec::new();
+    let mut objects = Vec::new();
+    let mut points = VertexPoints { count: file.positions.len(), of_vertices: Vec::new() };
     for group in std::mem::take(&mut file.groups) {
         let name = if group.name.is_empty() { job.name() } else { group.name.clone() };
         let element = format!("object \"{name}\"");
-        let mesh = assemble::mesh_parts(&file, &group).build(&element, job)?;
-        meshes.push((name, mesh));
+        let (parts, points_of_group) = assemble::mesh_parts(&file, &group);
+        objects.push((name, Shape::Fixed(parts.build(&element, job)?)));
+        points.of_vertices.extend(points_of_group);
     }
-    job.add_upright(&mut scene, meshes);
-    Ok(scene)
+    job.add_upright(&mut scene, objects);
+    Ok((scene, points))
 }
 
 /// Adds a material for each name in the file, at the same position.
 fn add_materials(file: &ObjFile, scene: &mut Scene, job: &mut Job<'_>) {
+    if job.looks == Looks::Names {
+        let named = |name: &String| Material { name: name.clone(), ..Material::default() };
+        scene.materials = file.material_names.iter().map(named).collect();
+        return;
+    }
     let mut library = HashMap::new();
     for name in &file.libraries {
         match job.read_neighbour(name) {

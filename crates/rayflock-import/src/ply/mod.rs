@@ -3,8 +3,8 @@
 //! Read: `vertex` with positions (`x y z`), normals (`nx ny nz`), colours (`red green blue`,
 //! sRGB) and texture coordinates (`s t`, `u v` or `texture_u texture_v`, origin at the bottom
 //! left); `face` with a list `vertex_indices` or `vertex_index`, cut into fans; `tristrips`, whose
-//! strips end at -1. Vertices without faces are spheres when they have a `radius`. Other elements
-//! and properties are skipped.
+//! strips end at -1. Vertices without faces are spheres, of their `radius` or one that suits
+//! their distances. Other elements and properties are skipped.
 //!
 //! **Source.** Greg Turk, "The PLY Polygon File Format", 1994.
 //!
@@ -20,12 +20,13 @@ mod tests;
 use glam::{Vec2, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Header, PropertyAccess};
-use rayflock_geom::{Mesh, Sphere};
-use rayflock_scene::{Material, MaterialIdx, Scene, SurfaceMesh};
+use rayflock_scene::{Material, Scene, Shape, SurfaceMesh};
 
 use crate::ImportError;
 use crate::job::Job;
-use crate::mesh_parts::MeshParts;
+use crate::mesh_parts::{MeshParts, VertexPoints};
+use crate::particles;
+use crate::sequence::surfaces;
 use crate::texture::linear;
 use rows::{FaceRow, SkippedRow, VertexRow};
 
@@ -45,8 +46,22 @@ pub(crate) fn load(bytes: Vec<u8>, job: &mut Job<'_>) -> Result<Scene, ImportErr
     let mesh = surface(&header, &rows, job)?;
     let mut scene =
         Scene { name: job.name(), materials: vec![Material::default()], ..Scene::default() };
-    job.add_upright(&mut scene, vec![(job.name(), mesh)]);
+    job.add_upright(&mut scene, vec![(job.name(), Shape::Fixed(mesh))]);
     Ok(scene)
+}
+
+/// Reads a mesh like [`load`], and tells that each vertex is a point of its own.
+pub(crate) fn load_with_points(
+    bytes: Vec<u8>,
+    job: &mut Job<'_>,
+) -> Result<(Scene, VertexPoints), ImportError> {
+    let scene = load(bytes, job)?;
+    let mesh = surfaces(&scene).next().map(|surface| &surface.mesh);
+    let count = mesh.filter(|mesh| mesh.spheres().is_empty()).map_or(0, |m| m.vertices().len());
+    if count == 0 {
+        return Err(job.invalid("element \"face\"", "no faces", "a mesh"));
+    }
+    Ok((scene, VertexPoints { count, of_vertices: (0..count as u32).collect() }))
 }
 
 /// What the parser found wrong.
@@ -103,7 +118,7 @@ fn surface(header: &Header, rows: &Rows, job: &mut Job<'_>) -> Result<SurfaceMes
         return Err(job.invalid("element \"vertex\"", "no x, y and z", "positions"));
     }
     if rows.faces.is_empty() && rows.strips.is_empty() && !rows.vertices.is_empty() {
-        return spheres(&rows.vertices, columns.radius, job);
+        return Ok(spheres(&rows.vertices, columns.radius, job));
     }
     let mut parts = MeshParts { triangles: triangles(rows, job)?, ..MeshParts::default() };
     for row in &rows.vertices {
@@ -121,27 +136,12 @@ fn surface(header: &Header, rows: &Rows, job: &mut Job<'_>) -> Result<SurfaceMes
     parts.build("mesh", job)
 }
 
-fn spheres(
-    vertices: &[VertexRow],
-    has_radius: bool,
-    job: &mut Job<'_>,
-) -> Result<SurfaceMesh, ImportError> {
-    if !has_radius {
-        return Err(ImportError::Unsupported {
-            file: job.file.to_owned(),
-            element: "element \"vertex\"".to_owned(),
-            found: format!("a cloud of {} points without faces and radius", vertices.len()),
-            expected: "a mesh with faces, or points with a property \"radius\",".to_owned(),
-        });
-    }
-    let sphere = |row: &VertexRow| Sphere::new(Vec3::from(row.position), row.radius);
-    let spheres: Vec<Sphere> = vertices.iter().map(sphere).collect();
-    let invalid_count = spheres.iter().filter(|sphere| !sphere.is_valid()).count();
-    if invalid_count > 0 {
-        let message = format!("{invalid_count} spheres have no finite, positive radius; ignored");
-        job.warn("element \"vertex\"", message);
-    }
-    Ok(SurfaceMesh::new(Mesh::from_spheres(spheres), MaterialIdx(0)))
+/// Spheres at all vertices.
+fn spheres(vertices: &[VertexRow], has_radius: bool, job: &mut Job<'_>) -> SurfaceMesh {
+    let centers: Vec<Vec3> = vertices.iter().map(|row| Vec3::from(row.position)).collect();
+    let radii: Option<Vec<f32>> =
+        has_radius.then(|| vertices.iter().map(|row| row.radius).collect());
+    particles::spheres(&centers, radii.as_deref(), "element \"vertex\"", job)
 }
 
 /// Fans of all faces, then strips.

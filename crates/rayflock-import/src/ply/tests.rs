@@ -1,6 +1,7 @@
 //! Tests on tiny files.
 
 use glam::{Vec2, Vec3};
+use rayflock_geom::Sphere;
 
 use crate::tests::{fixed_mesh, load_bytes};
 
@@ -66,7 +67,7 @@ fn strips_end_at_minus_one() {
 }
 
 #[test]
-fn points_with_a_radius_are_spheres_and_others_an_error() {
+fn points_are_spheres_with_a_radius_of_their_own_or_a_usual_one() {
     let points = |property: &str, rows: &str| {
         format!(
             "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n\
@@ -77,8 +78,10 @@ fn points_with_a_radius_are_spheres_and_others_an_error() {
     let (scene, warnings) = load_bytes("a.ply", text.as_bytes()).unwrap();
     assert_eq!(fixed_mesh(&scene, 0).mesh.spheres().len(), 2);
     assert!(warnings[0].contains("1 spheres"), "{warnings:?}");
-    let error = load_bytes("a.ply", points("", "0 0 0\n4 0 0\n").as_bytes()).unwrap_err();
-    assert!(error.to_string().contains("cloud of 2 points"), "{error}");
+    let text = points("", "0 0 0\n4 0 0\n");
+    let (scene, warnings) = load_bytes("a.ply", text.as_bytes()).unwrap();
+    assert_eq!(fixed_mesh(&scene, 0).mesh.spheres()[1], Sphere::new(4.0 * Vec3::X, 2.0));
+    assert!(warnings[0].contains("without a radius are shown with 2"), "{warnings:?}");
 }
 
 #[test]

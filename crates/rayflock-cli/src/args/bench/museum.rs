@@ -71,6 +71,7 @@ pub(crate) struct BenchMuseumArguments {
 impl BenchMuseumArguments {
     /// Where the scene comes from.
     pub(crate) fn input(&self) -> InputArguments {
-        InputArguments { name: self.input.clone(), up: self.up, detail: None }
+        let (name, up) = (self.input.clone(), self.up);
+        InputArguments { name, up, detail: None, interpolate: false }
     }
 }

@@ -57,7 +57,8 @@ impl SunPlan {
         let steps = sunlit_steps(args, &days).blame_input()?;
 
         // The file is taken as it lies, so that hours are told in its own axes.
-        let input = InputArguments { name: args.name.clone(), up: UpAxis::Y, detail: None };
+        let (name, up) = (args.name.clone(), UpAxis::Y);
+        let input = InputArguments { name, up, detail: None, interpolate: false };
         let input = Input::open(&input).blame_input()?;
         let evaluator = Evaluator::new(input.scene.clone(), args.clip.as_deref()).blame_input()?;
         let fps = args.fps.unwrap_or_else(|| input.scene.default_frame_rate());
