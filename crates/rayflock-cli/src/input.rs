@@ -129,8 +129,8 @@ mod tests {
 
     #[test]
     fn an_unknown_built_in_scene_is_told_which_there_are() {
-        let message = open("builtin:teapot").unwrap_err().to_string();
-        assert!(message.contains("\"teapot\"") && message.contains("builtin:cornell"), "{message}");
+        let message = open("builtin:kettle").unwrap_err().to_string();
+        assert!(message.contains("\"kettle\"") && message.contains("builtin:cornell"), "{message}");
     }
 
     #[test]
