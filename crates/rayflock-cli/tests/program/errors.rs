@@ -75,7 +75,7 @@ fn unwritable_outputs_are_found_before_rendering() {
 fn inputs_that_are_not_there_are_named() {
     let work = Workplace::new();
     fails(&work, "info nothing.glb", 2, &["nothing.glb"]);
-    fails(&work, "render builtin:teapot -o x.png", 2, &["\"teapot\"", "builtin:museum7"]);
+    fails(&work, "render builtin:kettle -o x.png", 2, &["\"kettle\"", "builtin:museum7"]);
     fails(&work, "info .", 2, &["folder: found no files"]);
     fails(&work, "render frames/*.obj -o x.png", 2, &["pattern: found no files"]);
     work.write("x.fbx", "Kaydara");

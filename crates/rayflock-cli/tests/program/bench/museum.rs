@@ -69,7 +69,7 @@ fn bench_museum_names_what_is_wrong() {
         ("builtin:cornell --engines brute,warp", "unknown engine \"warp\"; there are: auto, brute"),
         ("builtin:cornell --engines brute,", "unknown engine \"\""),
         ("builtin:cornell --runs 0", "0 is not in 1..=10000"),
-        ("builtin:teapot", "no built-in scene is called \"teapot\""),
+        ("builtin:kettle", "no built-in scene is called \"kettle\""),
         ("missing.glb", "missing.glb"),
     ];
     for (words, message) in cases {
