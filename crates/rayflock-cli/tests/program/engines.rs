@@ -58,7 +58,8 @@ fn wrong_settings_are_told_which_there_are() {
         ("embree:fast", "expected words joined by +: low, medium or refit"),
         ("embree:low+medium", "both \"low\" and \"medium\""),
         ("embree:best", "only benchmarks do"),
-        ("embre", "subfields, embree, embree:SETTING"),
+        ("embre", "subfields:SETTING, embree, embree:SETTING"),
+        ("subfields:egaer", "on-demand, eager, locked"),
     ] {
         let run = work.run(&format!("render builtin:cornell --engine {engine} -o x.png"));
         assert_eq!(run.code, 2, "{}", run.stderr);
