@@ -56,7 +56,8 @@ pub enum TileOrder {
 /// Whether complex objects get subfields of their own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Nesting {
-    /// Where it pays, see [`nest`](super::nest).
+    /// Where it pays: objects of 4096 triangles or more that move without changing their shape, or
+    /// that are small for their triangles.
     #[default]
     Automatic,
     /// Never.
