@@ -18,7 +18,7 @@
 //! that of the Rust library `regex-automata` (its `meta` engine).
 //!
 //! **Invariants.** A choice changes speed, never an answer: every member gives the same one. Only
-//! this engine reads the clock.
+//! this engine lets the clock decide anything; others read it for their stats.
 //!
 //! **Cost.** Under a microsecond a batch; a frame is held by each member that was needed, at most
 //! one table of primitives each.

@@ -37,7 +37,7 @@
 //! `docs/algorithms/subfields.md` has the whole story.
 //!
 //! **Cost.** A frame costs nothing until a direction is wanted; then two passes over its moving
-//! primitives, and about 150 bytes each for a direction. 64K triangles take 3 ms for a direction
+//! primitives, and about 250 to 550 bytes each for a direction. 64K triangles take 3 ms for a direction
 //! (two AVX-512 server cores); a ray along it, about 40 ns of a core for each leaf.
 
 mod asked;

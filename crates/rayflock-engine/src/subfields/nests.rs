@@ -29,7 +29,7 @@ use glam::Vec3;
 use rayflock_geom::simd::LANES;
 use rayflock_geom::simd::cone_sphere::SphereBlock;
 use rayflock_geom::{
-    Aabb, FrameChanges, Geometry, GeometryObject, Mesh, ObjectId, transform_point,
+    Aabb, FrameChanges, Geometry, GeometryObject, Mesh, ObjectId, similarity_scale, transform_point,
 };
 
 use super::config::{Config, Nesting};
@@ -62,6 +62,8 @@ pub(super) struct Nests {
     nests: Vec<Nest>,
     /// One for each object of the frame.
     is_nested: Vec<bool>,
+    /// One for each object of the frame: whether its shape cannot be nested.
+    is_refused: Vec<bool>,
     before: Vec<Before>,
     /// The spheres around all places, nest by nest.
     bounds: Vec<SphereBlock>,
@@ -87,6 +89,8 @@ pub(super) struct Nest {
 struct Before {
     object: GeometryObject,
     is_nested: bool,
+    /// Whether its shape was looked at and cannot be nested.
+    is_refused: bool,
 }
 
 impl Nests {
@@ -95,6 +99,7 @@ impl Nests {
     pub(super) fn choose(&mut self, config: &Config, geometry: &Geometry, spans: &[ObjectSpan]) {
         self.nests.iter_mut().for_each(|nest| nest.places.clear());
         self.is_nested.clear();
+        self.is_refused.clear();
         if config.nesting == Nesting::Off {
             self.is_nested.resize(spans.len(), false);
             return;
@@ -108,11 +113,16 @@ impl Nests {
                 earlier.object.id == object.id && Arc::ptr_eq(&earlier.object.shape, &object.shape)
             });
             let moved = |same: &Before| same.object.world_from_object != object.world_from_object;
-            let is_wanted = is_candidate(span)
+            let was_refused = same.is_some_and(|same| same.is_refused);
+            let is_wanted = !was_refused
+                && is_candidate(object, span)
                 && (same.is_some_and(|same| same.is_nested || moved(same))
                     || is_small(object, finest));
-            let is_nested = is_wanted && self.hold(config, object, span);
+            let is_nested = is_wanted && self.hold(config, geometry, object, span);
             self.is_nested.push(is_nested);
+            // Where there was no room, there may be some in the next frame.
+            let is_unfit = is_wanted && !is_nested && self.place_count() < MOST_PLACES;
+            self.is_refused.push(was_refused || is_unfit);
         }
         self.remember(before, geometry);
         self.nests.retain(|nest| !nest.places.is_empty());
@@ -150,11 +160,17 @@ impl Nests {
     }
 
     /// Gives an object a place in a nest; returns whether it can be nested.
-    fn hold(&mut self, config: &Config, object: &GeometryObject, span: &ObjectSpan) -> bool {
+    fn hold(
+        &mut self,
+        config: &Config,
+        geometry: &Geometry,
+        object: &GeometryObject,
+        span: &ObjectSpan,
+    ) -> bool {
         if self.place_count() == MOST_PLACES {
             return false;
         }
-        let Some(nest) = self.nest_of(config, &object.shape) else { return false };
+        let Some(nest) = self.nest_of(config, geometry, &object.shape) else { return false };
         let first = [span.first_slot.triangles as u32, span.first_rank as u32];
         let place = NestPlace::new(object.world_from_object, &nest.bounds, first, object.mask);
         let is_held = place.is_some() && nest.loose.len() <= MOST_LOOSE;
@@ -163,12 +179,21 @@ impl Nests {
     }
 
     /// The nest of a shape: the one that holds it, one that is not needed any more, or a new one.
-    fn nest_of(&mut self, config: &Config, shape: &Arc<Mesh>) -> Option<&mut Nest> {
+    fn nest_of(
+        &mut self,
+        config: &Config,
+        geometry: &Geometry,
+        shape: &Arc<Mesh>,
+    ) -> Option<&mut Nest> {
         let held = self.nests.iter().position(|nest| Arc::ptr_eq(&nest.shape, shape));
         let idx = match held {
             Some(idx) => idx,
             None => {
-                let free = self.nests.iter().position(|nest| nest.places.is_empty());
+                let is_gone = |nest: &Nest| {
+                    let mut shapes = geometry.objects().iter().map(|object| &object.shape);
+                    !shapes.any(|shape| Arc::ptr_eq(shape, &nest.shape))
+                };
+                let free = self.nests.iter().position(is_gone);
                 let idx = free.unwrap_or(self.nests.len());
                 if idx == self.nests.len() {
                     self.nests.push(Nest::new(config, shape));
@@ -181,10 +206,12 @@ impl Nests {
 
     fn remember(&mut self, mut before: Vec<Before>, geometry: &Geometry) {
         before.clear();
-        let objects = geometry.objects().iter().zip(&self.is_nested);
-        before.extend(
-            objects.map(|(object, &is_nested)| Before { object: object.clone(), is_nested }),
-        );
+        let verdicts = self.is_nested.iter().zip(&self.is_refused);
+        let objects = geometry.objects().iter().zip(verdicts);
+        before.extend(objects.map(|(object, (&is_nested, &is_refused))| {
+            let object = object.clone();
+            Before { object, is_nested, is_refused }
+        }));
         self.before = before;
     }
 
@@ -268,9 +295,12 @@ impl Nest {
     }
 }
 
-/// Whether an object has triangles enough, and nothing else.
-fn is_candidate(span: &ObjectSpan) -> bool {
-    span.count.triangles >= FEWEST_TRIANGLES && span.prim_count() == span.count.triangles
+/// Whether an object has triangles enough, and nothing else, and keeps its angles.
+fn is_candidate(object: &GeometryObject, span: &ObjectSpan) -> bool {
+    let is_similar = |transform| similarity_scale(&transform).is_some();
+    span.count.triangles >= FEWEST_TRIANGLES
+        && span.prim_count() == span.count.triangles
+        && object.world_from_object.is_none_or(is_similar)
 }
 
 /// Whether an object has so many triangles for its size that tiles of this size hold too many.
