@@ -244,6 +244,27 @@ fn inputs_without_faces_are_errors() {
     fails(&work, &format!("sun nothing.obj {study}"), 2, &["nothing.obj"]);
 }
 
+/// Files are frames, whatever the rate; faces must stay as many as they are.
+#[test]
+fn sequences_are_shared_out_over_the_day() {
+    let work = workplace();
+    std::fs::create_dir(work.path("walk")).unwrap();
+    work.write("walk/1.obj", OBJ);
+    work.write("walk/2.obj", OBJ.replace("v -1 2", "v -1 200").replace("v 3 2", "v 3 200"));
+    let study = format!("sun walk {BERLIN} --date 2024-06-21 --frames 0..1 --step 30");
+    for (rate, output) in [("", "a.csv"), ("--fps 7", "b.csv")] {
+        let run = work.run(&format!("{study} {rate} -o {output}"));
+        assert_eq!(run.code, 0, "{}", run.stderr);
+    }
+    assert_eq!(csv_hours(&work, "a.csv"), csv_hours(&work, "b.csv"));
+    assert_eq!(work.run(&midsummer("--step 30 -o rest.csv")).code, 0);
+    assert_ne!(csv_hours(&work, "a.csv"), csv_hours(&work, "rest.csv"), "the roof has moved");
+
+    work.write("walk/2.obj", format!("{OBJ}f 1 2 4\n"));
+    let expected = ["frame 1: found 4 faces, expected 3 as in the first frame"];
+    fails(&work, &format!("{study} -o c.csv"), 2, &expected);
+}
+
 #[test]
 fn unwritable_outputs_are_found_before_tracing() {
     let work = Workplace::new();
