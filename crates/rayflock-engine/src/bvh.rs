@@ -24,7 +24,8 @@
 //! pointer; the curve is Hilbert's. Lists hold the rays that leave through one face of a cube, so
 //! that they share the order of axes. Groups are looked for in sixteen neighbours at a time unless
 //! the batch is said to have no order: what does not go like the first of those left is split off,
-//! and whoever has no company travels alone.
+//! and whoever has no company travels alone. A group that has met too many triangles is dissolved:
+//! its rays go on alone, with the hits that they have (`ray_group`).
 //!
 //! **Invariants.** Boxes are conservative (`simd::ray_boxes`, `simd::ray_beams`,
 //! `simd::triangle_boxes`): a primitive
@@ -35,7 +36,9 @@
 //! above the table; the fresh tree is built when the first batch of a frame comes. Per ray, 64 bytes
 //! in a block, 128 in batches with an order. Groups took 1K triangles x 1M mirrored rays from 66 to
 //! 18 ms (two AVX-512 server cores). Loading, grouping and answering a ray are some 30 cycles, a
-//! node 17 a single ray and 45 a group, a leaf 45 a single ray.
+//! node 17 a single ray and 45 a group, a leaf 45 a single ray. Dissolving groups took shadows of a
+//! dense teapot in a wide arena (158K triangles, 230K rays) from 49 to 5.4 ms, its mirrored rays
+//! from 32 to 6.5 ms.
 //!
 //! **Did not pay.** Asking for all children of a node ahead (lists are long enough to hide the
 //! wait, and far children are forgotten before their turn); blocks of another length; huge pages.

@@ -128,11 +128,22 @@ impl RayBlock {
         if asked.group_width > 0.0 {
             single = self.push_groups(simd, asked, first, single, (&lanes, &prepared, masks));
         }
-        for (lane, place) in self.rays[first..first + count].iter_mut().enumerate() {
-            if single & (1 << lane) == 0 {
-                continue;
-            }
-            *place = StreamRay {
+        self.push_single(first, single, (&lanes, &prepared, masks));
+        invalid_count
+    }
+
+    /// Takes in those of sixteen rays that go alone.
+    #[inline(always)]
+    fn push_single(
+        &mut self,
+        first: usize,
+        mut single: u64,
+        (lanes, prepared, masks): (&RayLanes, &AlignedRays, [u32; LANES]),
+    ) {
+        while single != 0 {
+            let lane = single.trailing_zeros() as usize;
+            single &= single - 1;
+            self.rays[first + lane] = StreamRay {
                 origin: prepared.origin(lane),
                 box_ray: prepared.box_ray(lane),
                 shear: prepared.shear(lane),
@@ -142,7 +153,21 @@ impl RayBlock {
             };
             self.faces[prepared.face(lane)].push((first + lane) as u32);
         }
-        invalid_count
+    }
+
+    /// Has the rays of a group that is dissolved go on alone, no farther than what they hit so far.
+    #[inline(always)]
+    pub(super) fn dissolve<S: Simd>(&mut self, simd: S, asked: &BlockQuestion<'_>, group_idx: u32) {
+        let group = &self.groups[group_idx as usize];
+        let (first, active) = (group.first as usize, group.active);
+        let mut lanes = RayLanes::load(simd, asked.batch, self.first_ray + first);
+        for (lane, t_max) in lanes.t_max.iter_mut().enumerate() {
+            *t_max = t_max.min(group.end(lane));
+        }
+        let masks = asked.batch.mask().lanes(self.first_ray + first);
+        let (prepared, crossing) =
+            AlignedRays::prepare(simd, &lanes, &asked.bounds, asked.table.slack());
+        self.push_single(first, active & crossing, (&lanes, &prepared, masks));
     }
 
     /// Makes groups of the `active` rays that go similar ways. Returns those that go alone.

@@ -20,6 +20,8 @@ pub(super) struct RayGroup {
     pub(super) first: u32,
     /// Rays that still want an answer.
     pub(super) active: u64,
+    /// How many more triangles the group may meet.
+    tests_left: u32,
     rays: RayPacket,
     masks: [u32; LANES],
     /// The nearest hits; `t` is where a ray's interval ends while there is none.
@@ -28,6 +30,10 @@ pub(super) struct RayGroup {
     v: Lanes,
     ranks: [u32; LANES],
 }
+
+/// Triangles that a group meets at most. Sixteen rays alone take about as long as a group with so
+/// many, so a group that is too wide for what it crosses costs no more than twice what its rays do.
+const MOST_TESTS: u32 = 128;
 
 /// From how many hits on it pays to write sixteen at once.
 const MANY: u32 = 3;
@@ -46,6 +52,7 @@ impl RayGroup {
         beam: RayBeam::EMPTY,
         first: 0,
         active: 0,
+        tests_left: 0,
         rays: RayPacket::EMPTY,
         masks: [0; LANES],
         t: [f32::INFINITY; LANES],
@@ -66,10 +73,24 @@ impl RayGroup {
         masks: [u32; LANES],
     ) {
         (self.beam, self.masks) = (beam, masks);
-        (self.first, self.active) = (first, active.into());
+        (self.first, self.active, self.tests_left) = (first, active.into(), MOST_TESTS);
         self.rays.fill_aligned(rays, prepared, face);
         self.t = [f32::INFINITY; LANES];
         self.ranks = [u32::MAX; LANES];
+    }
+
+    /// Notes that triangles were met; a group that has met too many crosses nothing any more.
+    #[inline(always)]
+    pub(super) fn spend(&mut self, test_count: u32) {
+        self.tests_left = self.tests_left.saturating_sub(test_count);
+        if self.is_dissolved() {
+            self.beam.set_t_max(f32::NEG_INFINITY);
+        }
+    }
+
+    /// Whether the rays are to go on alone.
+    pub(super) fn is_dissolved(&self) -> bool {
+        self.tests_left == 0
     }
 
     /// Tests a triangle; what is found shortens rays and beam.

@@ -73,22 +73,44 @@ impl BlockTracer {
     /// Finds the nearest hits of the block's rays.
     #[inline(always)]
     fn trace<S: Simd>(&mut self, simd: S, asked: &BlockQuestion<'_>, stats: &mut TraceStats) {
-        let Self { rays: block, nearest, walk, packet } = self;
-        let RayBlock { first_ray, rays, faces, groups, group_count, group_faces } = block;
-        let (first_ray, groups) = (*first_ray, &mut groups[..*group_count]);
         for face in 0..FACES {
-            let mut travellers = RayGroups { asked, first_ray, groups, packet };
-            for tree in asked.trees {
-                walk.walk(simd, tree, face, &group_faces[face], &mut travellers, stats);
-            }
+            self.trace_groups(simd, asked, face, stats);
+            let Self { rays: block, nearest, walk, packet } = self;
+            let RayBlock { first_ray, rays, faces, .. } = block;
+            let first_ray = *first_ray;
             let mut travellers = SingleRays { asked, first_ray, rays, nearest, packet };
             for tree in asked.trees {
                 walk.walk(simd, tree, face, &faces[face], &mut travellers, stats);
             }
         }
-        for group in groups {
-            group.write_hits(simd, &mut nearest[group.first as usize..]);
+    }
+
+    /// Finds the nearest hits of the groups that leave through one face; those of groups that are
+    /// dissolved on the way are the nearest so far, and their rays join the single ones.
+    #[inline(always)]
+    fn trace_groups<S: Simd>(
+        &mut self,
+        simd: S,
+        asked: &BlockQuestion<'_>,
+        face: usize,
+        stats: &mut TraceStats,
+    ) {
+        let Self { rays: block, nearest, walk, packet } = self;
+        let RayBlock { first_ray, groups, group_count, group_faces, .. } = block;
+        let (first_ray, groups) = (*first_ray, &mut groups[..*group_count]);
+        let mut travellers = RayGroups { asked, first_ray, groups, packet };
+        for tree in asked.trees {
+            walk.walk(simd, tree, face, &group_faces[face], &mut travellers, stats);
         }
+        let list = std::mem::take(&mut group_faces[face]);
+        for &group_idx in &list {
+            let group = &block.groups[group_idx as usize];
+            group.write_hits(simd, &mut nearest[group.first as usize..]);
+            if group.is_dissolved() {
+                block.dissolve(simd, asked, group_idx);
+            }
+        }
+        block.group_faces[face] = list;
     }
 
     /// Bytes held.

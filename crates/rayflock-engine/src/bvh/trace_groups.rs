@@ -1,5 +1,7 @@
 //! Groups of sixteen rays on their way through a tree: the beam around them against sixteen boxes,
 //! in a leaf against the boxes of its triangles, then all of its rays against each triangle left.
+//! How wide a group may be is guessed from the whole scene; where that was too wide for what lies
+//! here, the group finds out by what it meets, and is dissolved.
 
 use rayflock_geom::Ray;
 use rayflock_geom::simd::aligned_rays::face_axes;
@@ -53,14 +55,16 @@ impl<S: Simd> Travellers<S> for RayGroups<'_> {
         for &idx in list {
             let group = &mut self.groups[idx as usize];
             let mut left = beam_crosses(simd, &group.beam, &boxes).to_bitmask();
+            let met = left.count_ones();
             while left != 0 {
                 let lane = left.trailing_zeros() as usize;
                 left &= left - 1;
                 let (mask, rank) = (leaf.masks[lane], leaf.ranks[lane]);
                 let triangle = LeafTriangle { corners: leaf.triangles.get(lane), mask, rank };
                 group.test(simd, &triangle, self.asked.question);
-                test_count += 1;
             }
+            group.spend(met);
+            test_count += met as usize;
         }
         stats.box_tests += (list.len() * LANES) as u64;
         stats.triangle_tests += (test_count * LANES) as u64;
@@ -72,6 +76,9 @@ impl<S: Simd> Travellers<S> for RayGroups<'_> {
         let mut tests = TraceStats::default();
         for &idx in list {
             let group = &mut self.groups[idx as usize];
+            if group.is_dissolved() {
+                continue;
+            }
             self.packet.clear();
             for lane in (0..LANES).filter(|lane| group.active & (1 << lane) != 0) {
                 let ray = self.asked.batch.ray(self.first_ray + group.first as usize + lane);

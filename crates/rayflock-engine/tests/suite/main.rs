@@ -7,6 +7,7 @@ mod auto;
 mod cases;
 mod counters;
 mod engines;
+mod groups;
 mod nesting;
 mod oracle;
 mod same_answer;

@@ -18,7 +18,7 @@ const ROWS: u32 = 40;
 
 /// A bumpy ball of radius 1 with 5120 triangles. Some have no area because corners coincide, some
 /// because they lie in a line, which rounding may change under a transform.
-fn rock(seed: u64) -> Mesh {
+pub(crate) fn rock(seed: u64) -> Mesh {
     let mut rng = Rng::new(seed);
     let vertex = |column: u32, row: u32| row * COLUMNS + column % COLUMNS;
     let mut vertices: Vec<Vec3> = (0..=ROWS)
@@ -45,7 +45,7 @@ fn rock(seed: u64) -> Mesh {
 }
 
 /// Two large triangles.
-fn ground(size: f32) -> Mesh {
+pub(crate) fn ground(size: f32) -> Mesh {
     let corner = |x: f32, z: f32| Vec3::new(x * size, -4.0, z * size);
     let corners = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
     Mesh::from_triangles(corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap()
@@ -109,7 +109,12 @@ fn origins(rng: &mut Rng, targets: &[Vec3]) -> Vec<Vec3> {
     targets.iter().map(around).collect()
 }
 
-fn check(name: &str, engine: &mut dyn RayEngine, geometry: &Geometry, batch: &RayBatch<'_>) {
+pub(crate) fn check(
+    name: &str,
+    engine: &mut dyn RayEngine,
+    geometry: &Geometry,
+    batch: &RayBatch<'_>,
+) {
     let mut expected = HitBuffer::new(batch.len());
     definition(geometry).closest_hit(batch, &mut expected.as_hits());
     let mut found = HitBuffer::new(batch.len());
