@@ -41,7 +41,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
 }
 
 /// The folder that cargo builds in.
-fn target(root: &Path) -> PathBuf {
+pub(crate) fn target(root: &Path) -> PathBuf {
     let given = std::env::var_os("CARGO_TARGET_DIR").filter(|folder| !folder.is_empty());
     given.map_or_else(|| root.join("target"), PathBuf::from)
 }
@@ -99,7 +99,8 @@ fn python(words: &[&str]) -> Command {
     command
 }
 
-fn finish(mut command: Command, failure: &str) -> Result<()> {
+/// Runs a command of Python to its end.
+pub(crate) fn finish(mut command: Command, failure: &str) -> Result<()> {
     let output = command.output().context("cannot run python3; install Python 3 with pip")?;
     let words = String::from_utf8_lossy(&output.stderr);
     ensure!(output.status.success(), "{failure}: {}", words.trim());

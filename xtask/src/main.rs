@@ -6,9 +6,11 @@
 //! | [`embree`] | fetches the library that benchmarks compare with |
 //! | [`perf_check`] | counts instructions and compares them with the committed baseline |
 //! | [`invariants`] | checks the rules of `docs/architecture.md` that the compiler does not |
+//! | [`convert_tools`] | tests the converter of USD and Alembic files |
 //! | [`tools`] | finds or installs programs that some tests want |
 #![forbid(unsafe_code)]
 
+mod convert_tools;
 mod embree;
 mod invariants;
 mod perf_check;

@@ -6,6 +6,8 @@
 //! | `museum3` ... `museum8` | `4^n` triangles, each on its own | you compare with the papers |
 //! | `shatter` | every triangle of a solid, from whole to rubble | no hierarchy could be refitted |
 //! | `crowd` | twelve skinned figures | you want animation as productions have it |
+//! | `fluid` | the surface of a liquid, of another topology in every frame | you want what simulations hand out |
+//! | `particles` | 100,000 spheres, each on its own | there are no triangles at all |
 //! | `stadium` | a teapot and four balls, rigidly, in an arena | sizes differ by a thousand |
 //! | `teapot` | the same teapot alone | you want to know what the arena costs |
 //!
@@ -15,8 +17,10 @@
 
 mod cornell;
 mod crowd;
+mod fluid;
 mod keyed_path;
 pub mod museum;
+mod particles;
 mod random;
 mod shatter;
 mod stadium;
@@ -59,6 +63,16 @@ const BUILTINS: &[Builtin] = &[
         frame_count: crowd::FRAME_COUNT,
     },
     Builtin {
+        name: "fluid",
+        about: "a liquid sloshes and splashes in a glass tank, with new triangles in every frame",
+        frame_count: fluid::FRAME_COUNT,
+    },
+    Builtin {
+        name: "particles",
+        about: "a fountain of 100,000 drops, each a sphere on its own path",
+        frame_count: particles::FRAME_COUNT,
+    },
+    Builtin {
         name: "shatter",
         about: "a porcelain knot is struck and its 23,040 triangles fly off one by one",
         frame_count: shatter::FRAME_COUNT,
@@ -92,6 +106,8 @@ pub fn build(name: &str) -> Option<Scene> {
     match name {
         "cornell" => Some(cornell::build()),
         "crowd" => Some(crowd::build()),
+        "fluid" => Some(fluid::build()),
+        "particles" => Some(particles::build()),
         "shatter" => Some(shatter::build()),
         "stadium" => Some(stadium::build()),
         "teapot" => Some(stadium::build_teapot()),
