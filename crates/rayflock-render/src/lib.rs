@@ -6,6 +6,7 @@
 //! | [`mod@reference`] | you check a renderer: slow, plain, one ray at a time |
 //! | [`FrameRenderer`] | your code takes any renderer of frames |
 //! | [`tonemap`] | you show or store a [`Film`] |
+//! | [`vpl`] | you want indirect light: virtual lights, and what points see of them |
 //! | [`sun`] | you want to know for how many hours the sun shines on each face or vertex |
 //!
 //! # What is rendered
@@ -60,6 +61,7 @@ mod stats;
 pub mod sun;
 pub mod tonemap;
 mod view;
+pub mod vpl;
 mod wave;
 mod whitted;
 
