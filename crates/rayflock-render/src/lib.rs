@@ -3,6 +3,7 @@
 //! | Part | Use it when |
 //! |---|---|
 //! | [`WhittedRenderer`] | you want pictures: shadows, mirrors, glass, textures |
+//! | [`PathTracer`] | you want all light there is, and can wait for it |
 //! | [`mod@reference`] | you check a renderer: slow, plain, one ray at a time |
 //! | [`FrameRenderer`] | your code takes any renderer of frames |
 //! | [`tonemap`] | you show or store a [`Film`] |
@@ -52,6 +53,7 @@ mod error;
 mod film;
 mod frame_shading;
 mod lights;
+mod path_tracer;
 pub mod reference;
 mod renderer;
 mod settings;
@@ -67,6 +69,7 @@ mod whitted;
 
 pub use error::RenderError;
 pub use film::Film;
+pub use path_tracer::PathTracer;
 pub use renderer::FrameRenderer;
 pub use settings::RenderSettings;
 pub use stats::{FrameStats, RayCounts};

@@ -13,12 +13,14 @@ pub struct RayCounts {
     pub mirror: u64,
     /// Refracted.
     pub refraction: u64,
+    /// Turned by chance, and walks from lights.
+    pub indirect: u64,
 }
 
 impl RayCounts {
     /// Rays of all kinds.
     pub const fn total(&self) -> u64 {
-        self.primary + self.shadow + self.mirror + self.refraction
+        self.primary + self.shadow + self.mirror + self.refraction + self.indirect
     }
 }
 

@@ -92,7 +92,10 @@ impl FrameRenderer for WhittedRenderer {
         let settings = settings.clamped();
         let Some(frame) = &self.frame else {
             let background = settings.background.unwrap_or(DEFAULT_SKY);
-            return render_background(view, &background, &mut self.buffers, film);
+            let mut wave = self.buffers.spare.pop().unwrap_or_default();
+            let stats = render_background(view, &background, &mut wave, film);
+            self.buffers.spare.push(wave);
+            return stats;
         };
         let picture = Picture::new(frame, view, settings);
         let stopwatch = Stopwatch::start();
@@ -135,23 +138,21 @@ pub(crate) fn bands(
 }
 
 /// A picture of nothing.
-fn render_background(
+pub(crate) fn render_background(
     view: &View,
     background: &Background,
-    buffers: &mut Buffers,
+    wave: &mut Wave,
     film: &mut Film,
 ) -> FrameStats {
     let (width, height) = (film.width(), film.height());
-    let mut wave = buffers.spare.pop().unwrap_or_default();
     for y in 0..height {
-        camera_rays(view, (width, height), y..y + 1, 0, &mut wave);
+        camera_rays(view, (width, height), y..y + 1, 0, wave);
         let batch = wave.batch();
         for (ray_idx, path) in wave.paths.iter().enumerate() {
             let radiance = background::radiance(background, batch.ray(ray_idx).direction);
             film.pixels_mut()[y * width + path.pixel_idx as usize] = radiance.to_array();
         }
     }
-    buffers.spare.push(wave);
     FrameStats::default()
 }
 

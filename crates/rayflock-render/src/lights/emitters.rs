@@ -50,6 +50,8 @@ pub(crate) struct EmitterSample {
     pub(crate) source: Vec3,
     /// What arrives, divided by the probability of the sample.
     pub(crate) incident: Incident,
+    /// The density with which the sample was chosen, by solid angle.
+    pub(crate) density: f32,
 }
 
 impl Emitters {
@@ -84,10 +86,35 @@ impl Emitters {
             EmitterShape::Sphere(sphere) => sphere_sample(sphere, position, random)?,
         };
         let to_light = (source - position).normalize_or_zero();
-        let irradiance = emitter.radiance * (solid_angle * total / emitter.weight);
-        irradiance
-            .is_finite()
-            .then_some(EmitterSample { source, incident: Incident { to_light, irradiance } })
+        let solid_angle = solid_angle * total / emitter.weight;
+        let irradiance = emitter.radiance * solid_angle;
+        let incident = Incident { to_light, irradiance };
+        let density = solid_angle.recip();
+        irradiance.is_finite().then_some(EmitterSample { source, incident, density })
+    }
+
+    /// The density with which [`Self::sample`] chooses the point `seen` of a primitive that emits
+    /// `radiance`, from `position`, by solid angle; 0 where it never does.
+    pub(crate) fn density(
+        &self,
+        object: &ShadedObject,
+        prim_id: PrimId,
+        radiance: Vec3,
+        position: Vec3,
+        seen: Vec3,
+    ) -> f32 {
+        let (Some(total), Some(shape)) = (self.cumulative.last(), shape_in_world(object, prim_id))
+        else {
+            return 0.0;
+        };
+        let density = match &shape {
+            EmitterShape::Triangle(corners) => solid_angle(corners, position, seen).recip(),
+            EmitterShape::Sphere(sphere) => {
+                sphere_depth(sphere, position).map_or(0.0, |depth| (TAU * depth).recip())
+            }
+        };
+        let density = density * shape.area() * luminance(radiance) / total;
+        if density.is_finite() { density } else { 0.0 }
     }
 
     fn add_object(&mut self, shading: &FrameShading, object: &ShadedObject) {
@@ -108,8 +135,7 @@ impl Emitters {
     }
 
     fn add(&mut self, shape: EmitterShape, radiance: Vec3) {
-        let luminance = radiance.dot(Vec3::new(0.2126, 0.7152, 0.0722));
-        let weight = shape.area() * luminance;
+        let weight = shape.area() * luminance(radiance);
         let sum = self.cumulative.last().copied().unwrap_or_default() + weight;
         if weight > 0.0 && sum.is_finite() {
             self.emitters.push(Emitter { shape, radiance, weight });
@@ -151,12 +177,28 @@ fn triangle_sample(corners: &[Vec3; 3], position: Vec3, random: [f32; 3]) -> Opt
     let root = random[1].sqrt();
     let (share0, share1) = (1.0 - root, root * random[2]);
     let source = v0 * share0 + v1 * share1 + v2 * (1.0 - share0 - share1);
+    let solid_angle = solid_angle(corners, position, source);
+    (solid_angle > 0.0 && solid_angle.is_finite()).then_some((source, solid_angle))
+}
+
+/// The solid angle of the whole triangle, were all of it as its point `source` is.
+fn solid_angle([v0, v1, v2]: &[Vec3; 3], position: Vec3, source: Vec3) -> f32 {
     let doubled_normal = (v1 - v0).cross(v2 - v0);
     let offset = source - position;
     let distance = offset.length();
     let cos_times_area = 0.5 * doubled_normal.dot(offset).abs() / distance;
-    let solid_angle = cos_times_area / (distance * distance);
-    (solid_angle > 0.0 && solid_angle.is_finite()).then_some((source, solid_angle))
+    cos_times_area / (distance * distance)
+}
+
+/// 1 - cos of the angle between the middle of the sphere and its edge, seen from outside; without
+/// cancellation.
+fn sphere_depth(sphere: &Sphere, position: Vec3) -> Option<f32> {
+    let sine = sphere.radius / (sphere.center - position).length();
+    (sine < 1.0).then(|| sine * sine / (1.0 + (1.0 - sine * sine).sqrt()))
+}
+
+fn luminance(radiance: Vec3) -> f32 {
+    radiance.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
 /// A point of the visible part of the sphere, and the solid angle of that part; `None` from
@@ -164,12 +206,7 @@ fn triangle_sample(corners: &[Vec3; 3], position: Vec3, random: [f32; 3]) -> Opt
 fn sphere_sample(sphere: &Sphere, position: Vec3, random: [f32; 3]) -> Option<(Vec3, f32)> {
     let offset = sphere.center - position;
     let distance = offset.length();
-    let sine = sphere.radius / distance;
-    if sine.is_nan() || sine >= 1.0 {
-        return None;
-    }
-    // 1 - cos without cancellation.
-    let depth = sine * sine / (1.0 + (1.0 - sine * sine).sqrt());
+    let depth = sphere_depth(sphere, position)?;
     let cos = 1.0 - random[1] * depth;
     let sin_squared = (1.0 - cos * cos).max(0.0);
     // From the direction in the cone to the near point of the sphere along it.

@@ -21,6 +21,7 @@ use crate::lights::key_light::SKY_SHARE;
 use crate::shading::background;
 use crate::shading::scatter::{Scatter, scatter};
 use crate::shading::surface_point::{SurfacePoint, surface_point};
+use crate::shading::turns::Chances;
 use crate::wave::{Contribution, LitPoint, Path, ShadedRun, Wave};
 
 /// What shading needs besides rays and hits.
@@ -70,7 +71,7 @@ pub(crate) fn shade_surface(
 }
 
 /// From the first to the last pixel of `paths`.
-fn pixels_of(paths: &[Path]) -> Range<usize> {
+pub(crate) fn pixels_of(paths: &[Path]) -> Range<usize> {
     let pixels = paths.iter().map(|path| path.pixel_idx as usize);
     let (first, last) =
         pixels.fold((usize::MAX, 0), |(first, last), pixel| (first.min(pixel), last.max(pixel)));
@@ -136,5 +137,6 @@ fn push_lit_point(
         shininess: material.shininess,
         pixel_idx: path.pixel_idx,
         seed: path.seed,
+        chances: Chances::NONE,
     });
 }

@@ -3,3 +3,4 @@
 mod agreement;
 mod common;
 mod light;
+mod paths;
