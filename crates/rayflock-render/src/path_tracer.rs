@@ -143,7 +143,8 @@ impl<'a> Picture<'a> {
             false => frame.lights.lights.clone(),
         };
         let background = settings.background.or(frame.background).unwrap_or(DEFAULT_SKY);
-        let surroundings = Surroundings { frame, background, sky_lights, depth: settings.depth };
+        let surroundings =
+            Surroundings { frame, background, sky_lights, indirect: true, depth: settings.depth };
         let choice = LightChoice::new(lights.iter().map(|light| flux(light, radius)));
         Self { surroundings, lights, choice }
     }

@@ -21,6 +21,7 @@ use rayflock_scene::PrimMaterials;
 
 use super::incident::Incident;
 use crate::frame_shading::{FrameShading, ShadedObject, shaded_objects};
+use crate::shading::surface_point::{area_normal, slack};
 
 /// All primitives that emit, in world space.
 #[derive(Clone, Debug, Default)]
@@ -54,6 +55,17 @@ pub(crate) struct EmitterSample {
     pub(crate) density: f32,
 }
 
+/// A point from which light leaves an emitter.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leaving {
+    /// Just off the emitter, in world space.
+    pub(crate) origin: Vec3,
+    /// On the side to which light leaves, of unit length; by the cosine to it.
+    pub(crate) normal: Vec3,
+    /// All flux, divided by the probability of the emitter.
+    pub(crate) flux: Vec3,
+}
+
 impl Emitters {
     /// Finds what emits in a frame.
     pub(crate) fn new(shading: &FrameShading, geometry: &Geometry) -> Self {
@@ -64,6 +76,37 @@ impl Emitters {
             }
         }
         emitters
+    }
+
+    /// What all emitters together send out, into both sides of triangles.
+    pub(crate) fn flux(&self) -> Vec3 {
+        let flux = |emitter: &Emitter| emitter.radiance * (PI * emitter.shape.lit_area());
+        self.emitters.iter().map(flux).sum()
+    }
+
+    /// A point on some emitter, chosen by `choice` and `place` (numbers in `0..1`), from which
+    /// light leaves.
+    pub(crate) fn leaving(&self, choice: f32, place: [f32; 3]) -> Option<Leaving> {
+        let total = *self.cumulative.last()?;
+        let chosen = self.cumulative.partition_point(|&sum| sum <= choice * total);
+        let emitter = &self.emitters[chosen.min(self.emitters.len() - 1)];
+        let (source, normal) = match &emitter.shape {
+            EmitterShape::Triangle(corners) => {
+                let side = if place[0] < 0.5 { 1.0 } else { -1.0 };
+                let normal = area_normal(*corners).normalize_or_zero().as_vec3();
+                (triangle_point(corners, [place[1], place[2]]), side * normal)
+            }
+            EmitterShape::Sphere(sphere) => {
+                let height = 1.0 - 2.0 * place[1];
+                let (sin, cos) = (TAU * place[2]).sin_cos();
+                let radius = (1.0 - height * height).max(0.0).sqrt();
+                let outward = Vec3::new(radius * cos, height, radius * sin);
+                (sphere.center + sphere.radius * outward, outward)
+            }
+        };
+        let origin = source + normal * slack(source.abs().max_element());
+        let flux = emitter.radiance * (PI * emitter.shape.lit_area() * total / emitter.weight);
+        (flux.is_finite() && normal != Vec3::ZERO).then_some(Leaving { origin, normal, flux })
     }
 
     /// Whether nothing emits.
@@ -151,6 +194,14 @@ impl EmitterShape {
             Self::Sphere(sphere) => 4.0 * PI * sphere.radius * sphere.radius,
         }
     }
+
+    /// The area that light leaves: both sides of a triangle.
+    fn lit_area(&self) -> f32 {
+        match self {
+            Self::Triangle(_) => 2.0 * self.area(),
+            Self::Sphere(_) => self.area(),
+        }
+    }
 }
 
 fn shape_in_world(object: &ShadedObject, prim_id: PrimId) -> Option<EmitterShape> {
@@ -173,12 +224,15 @@ fn shape_in_world(object: &ShadedObject, prim_id: PrimId) -> Option<EmitterShape
 /// A point of the triangle, and the solid angle that stands for all of it: area times cosine over
 /// distance squared.
 fn triangle_sample(corners: &[Vec3; 3], position: Vec3, random: [f32; 3]) -> Option<(Vec3, f32)> {
-    let [v0, v1, v2] = *corners;
-    let root = random[1].sqrt();
-    let (share0, share1) = (1.0 - root, root * random[2]);
-    let source = v0 * share0 + v1 * share1 + v2 * (1.0 - share0 - share1);
+    let source = triangle_point(corners, [random[1], random[2]]);
     let solid_angle = solid_angle(corners, position, source);
     (solid_angle > 0.0 && solid_angle.is_finite()).then_some((source, solid_angle))
+}
+
+fn triangle_point([v0, v1, v2]: &[Vec3; 3], random: [f32; 2]) -> Vec3 {
+    let root = random[0].sqrt();
+    let (share0, share1) = (1.0 - root, root * random[1]);
+    v0 * share0 + v1 * share1 + v2 * (1.0 - share0 - share1)
 }
 
 /// The solid angle of the whole triangle, were all of it as its point `source` is.

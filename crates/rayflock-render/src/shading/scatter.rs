@@ -37,14 +37,14 @@ pub(crate) struct Scatter {
 
 impl Scatter {
     /// Scales everything down, `highlight` too, where more light would leave than arrives, as
-    /// classic materials may have it. Light that goes on and on then fades.
-    pub(crate) fn conserve(&mut self, highlight: &mut Vec3, shininess: f32) {
+    /// classic materials may have it; returns the factor. Light that goes on and on then fades.
+    pub(crate) fn conserve(&mut self, highlight: &mut Vec3, shininess: f32) -> f32 {
         let sent = self.diffuse + self.mirror + self.transmission;
         let most = (sent + *highlight * highlight_albedo(shininess)).max_element();
-        if most > 1.0 {
-            let shares = [&mut self.diffuse, &mut self.mirror, &mut self.transmission, highlight];
-            shares.into_iter().for_each(|share| *share /= most);
-        }
+        let kept = if most > 1.0 { most.recip() } else { 1.0 };
+        let shares = [&mut self.diffuse, &mut self.mirror, &mut self.transmission, highlight];
+        shares.into_iter().for_each(|share| *share *= kept);
+        kept
     }
 }
 

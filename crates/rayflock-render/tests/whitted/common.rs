@@ -82,6 +82,10 @@ pub(crate) fn render_reference(
     film
 }
 
+pub(crate) fn mean(film: &Film) -> Vec3 {
+    film.pixels().iter().map(|pixel| Vec3::from(*pixel)).sum::<Vec3>() / film.pixels().len() as f32
+}
+
 /// The one pixel that looks from `eye` at `target`.
 pub(crate) fn radiance(scene: &Scene, eye: Vec3, target: Vec3, settings: &RenderSettings) -> Vec3 {
     Vec3::from(render(scene, &look_at(eye, target), settings, (1, 1)).pixel(0, 0))

@@ -4,3 +4,4 @@ mod agreement;
 mod common;
 mod light;
 mod paths;
+mod virtual_lights;

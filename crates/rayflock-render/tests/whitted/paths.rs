@@ -3,8 +3,8 @@
 use std::f32::consts::PI;
 
 use crate::common::{
-    ball, closed_room, emitter, glass, lamp, look_at, matte, mirror, render, render_by, scene,
-    square, sun,
+    ball, closed_room, emitter, glass, lamp, look_at, matte, mean, mirror, render, render_by,
+    scene, square, sun,
 };
 use glam::Vec3;
 use rayflock_engine::{EngineKind, create};
@@ -27,10 +27,6 @@ fn paths_with(
 
 fn paths(scene: &Scene, view: &View, settings: &RenderSettings, size: (usize, usize)) -> Film {
     paths_with(EngineKind::Bvh, scene, view, settings, size).0
-}
-
-fn mean(film: &Film) -> Vec3 {
-    film.pixels().iter().map(|pixel| Vec3::from(*pixel)).sum::<Vec3>() / film.pixels().len() as f32
 }
 
 fn assert_near(name: &str, found: Vec3, expected: Vec3, relative: f32) {
