@@ -11,6 +11,8 @@
 //! wave of points: gather: tile of points and lights: who faces whom
 //!                           -> PairVisibility: exact (engine: occluded), or none
 //!                           -> sums, cut off at the bound
+//!                 or gather_chosen (`resample`): guessed visibility chooses few lights a point,
+//!                           -> exact visibility corrects the guess
 //! ```
 //!
 //! **Source**: A. Keller, *Instant Radiosity*, SIGGRAPH 1997; L. Szecsi, thesis, ch. 5, for
@@ -24,11 +26,12 @@ mod exact_visibility;
 mod gather;
 pub(crate) mod indirect;
 mod pair_visibility;
+mod resample;
 mod settings;
 mod shoot;
 mod sources;
 mod virtual_lights;
 
 pub use pair_visibility::{PairTile, PairVisibility, VisibilityStats};
-pub use settings::{Visibility, VplSettings};
+pub use settings::{ChosenBy, ChosenRays, Visibility, VplSettings};
 pub use virtual_lights::{Lobe, VirtualLight, VirtualLights};

@@ -32,8 +32,8 @@ use crate::stages::group_rays::group_rays;
 use crate::stages::shade_surface::{Surroundings, shade_surface};
 use crate::stages::shadow_rays::{ShadowTarget, shadow_batch, shadow_rays};
 use crate::stats::Stopwatch;
+use crate::vpl::VplSettings;
 use crate::vpl::indirect::IndirectLight;
-use crate::vpl::{Visibility, VplSettings};
 use crate::wave::{ShadedRun, ShadowWave, Wave};
 use crate::{Film, FrameRenderer, FrameStats, Indirect, RenderError, RenderSettings, View};
 
@@ -261,8 +261,8 @@ impl<'a> Picture<'a> {
                 self.light(target, tracer);
             }
         }
-        if let Indirect::Vpl(VplSettings { visibility, .. }) = self.settings.indirect {
-            tracer.gather(visibility);
+        if let Indirect::Vpl(settings) = &self.settings.indirect {
+            tracer.gather(settings, sample_idx);
         }
     }
 
@@ -288,9 +288,10 @@ impl<'a> Picture<'a> {
 
 impl Tracer<'_> {
     /// Adds what virtual lights send to the points of the current wave.
-    fn gather(&mut self, visibility: Visibility) {
+    fn gather(&mut self, settings: &VplSettings, sample_idx: u32) {
         let Tracer { engine, indirect, buffers, stats } = self;
-        indirect.gather(&mut **engine, visibility, &mut buffers.runs, stats);
+        let settings = (settings, sample_idx);
+        indirect.gather(&mut **engine, settings, &mut buffers.runs, stats);
         buffers.occluded.clear();
         buffers.occluded.resize(buffers.runs.iter().map(|run| run.lit.len()).sum(), false);
         buffers.sums.add_lit(&buffers.runs, &buffers.occluded);

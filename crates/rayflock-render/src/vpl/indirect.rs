@@ -6,6 +6,7 @@ use rayflock_scene::{Background, LightKind};
 
 use super::exact_visibility::{ExactVisibility, RayBuffers};
 use super::gather::{GatherBuffers, gather};
+use super::resample::{Eyes, gather_chosen};
 use super::shoot::{ShootBuffers, shoot};
 use super::sources::Sources;
 use super::{PairTile, PairVisibility, VirtualLights, Visibility, VisibilityStats, VplSettings};
@@ -70,26 +71,37 @@ impl IndirectLight {
     }
 
     /// Gathers light at the points of `runs`; what arrives is left as `lit` of each run, one entry
-    /// a point.
+    /// a point. `sample_idx` counts the samples of a pixel.
     pub(crate) fn gather(
         &mut self,
         engine: &mut dyn RayEngine,
-        visibility: Visibility,
+        (settings, sample_idx): (&VplSettings, u32),
         runs: &mut [ShadedRun],
         stats: &mut FrameStats,
     ) {
         let stopwatch = Stopwatch::start();
         let (lights, bound) = (&self.lights, self.bound);
-        let gathered = match visibility {
-            Visibility::Exact => {
+        let gathered = match (settings.chosen, settings.visibility) {
+            (None, Visibility::None) => {
+                gather(lights, bound, &mut Unhindered, runs, &mut self.gather)
+            }
+            (None, Visibility::Exact) => {
                 let mut exact = ExactVisibility::new(engine, &mut self.rays);
                 let gathered = gather(lights, bound, &mut exact, runs, &mut self.gather);
                 stats.trace += exact.trace;
-                stats.rays.shadow += gathered.visibility.rays;
                 gathered
             }
-            Visibility::None => gather(lights, bound, &mut Unhindered, runs, &mut self.gather),
+            (Some(chosen), _) => {
+                let mut exact = ExactVisibility::new(engine, &mut self.rays);
+                let mut eyes = Eyes { guess: &mut Unhindered, exact: &mut exact };
+                let chosen = (chosen, sample_idx);
+                let gathered =
+                    gather_chosen(lights, bound, chosen, &mut eyes, runs, &mut self.gather);
+                stats.trace += exact.trace;
+                gathered
+            }
         };
+        stats.rays.shadow += gathered.visibility.rays;
         stats.indirect.visibility += gathered.visibility;
         stats.indirect.gathered += gathered.gathered;
         stats.indirect.clamped += gathered.lost;
