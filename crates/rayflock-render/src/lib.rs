@@ -3,9 +3,11 @@
 //! | Part | Use it when |
 //! |---|---|
 //! | [`WhittedRenderer`] | you want pictures: shadows, mirrors, glass, textures |
+//! | [`PathTracer`] | you want all light there is, and can wait for it |
 //! | [`mod@reference`] | you check a renderer: slow, plain, one ray at a time |
 //! | [`FrameRenderer`] | your code takes any renderer of frames |
 //! | [`tonemap`] | you show or store a [`Film`] |
+//! | [`vpl`] | you want indirect light: virtual lights, and what points see of them |
 //! | [`sun`] | you want to know for how many hours the sun shines on each face or vertex |
 //!
 //! # What is rendered
@@ -51,6 +53,7 @@ mod error;
 mod film;
 mod frame_shading;
 mod lights;
+mod path_tracer;
 pub mod reference;
 mod renderer;
 mod settings;
@@ -60,13 +63,15 @@ mod stats;
 pub mod sun;
 pub mod tonemap;
 mod view;
+pub mod vpl;
 mod wave;
 mod whitted;
 
 pub use error::RenderError;
 pub use film::Film;
+pub use path_tracer::PathTracer;
 pub use renderer::FrameRenderer;
-pub use settings::RenderSettings;
-pub use stats::{FrameStats, RayCounts};
+pub use settings::{Indirect, RenderSettings};
+pub use stats::{FrameStats, IndirectStats, RayCounts};
 pub use view::View;
 pub use whitted::WhittedRenderer;

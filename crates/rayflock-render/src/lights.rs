@@ -4,6 +4,7 @@
 pub(crate) mod emitters;
 pub(crate) mod incident;
 pub(crate) mod key_light;
+pub(crate) mod power;
 
 use glam::Vec3;
 use rayflock_geom::Geometry;

@@ -2,6 +2,8 @@
 
 use rayflock_scene::Background;
 
+use crate::vpl::VplSettings;
+
 /// How a frame is rendered. Values out of range are taken as the nearest one in range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
@@ -14,6 +16,8 @@ pub struct RenderSettings {
     /// Points sampled on emitting surfaces for each visible point and sample, `1..=1024`. More
     /// make soft shadows less noisy.
     pub light_samples: u32,
+    /// How light is found that was scattered before; the path tracer finds it anyhow.
+    pub indirect: Indirect,
     /// What rays that hit nothing see, instead of what the scene says.
     pub background: Option<Background>,
     /// How many rays are traced together at most, `1..=2^24`, but at least one row of pixels.
@@ -21,8 +25,30 @@ pub struct RenderSettings {
     pub batch_rays: usize,
 }
 
+/// How light is found that reaches a surface from other surfaces and the sky.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Indirect {
+    /// It is not: ambient light stands for it.
+    #[default]
+    Off,
+    /// From virtual lights, all of them at every point. Ambient light is left out; the background
+    /// lights as a sky.
+    Vpl(VplSettings),
+}
+
+impl Indirect {
+    fn clamped(&self) -> Self {
+        match self {
+            Self::Off => Self::Off,
+            Self::Vpl(settings) => Self::Vpl(settings.clamped()),
+        }
+    }
+}
+
 impl Default for RenderSettings {
-    /// One sample a pixel, five bounces, shadows, four light samples, the scene's background,
+    /// One sample a pixel, five bounces, shadows, four light samples, ambient light in place of
+    /// light that was scattered before, the scene's background,
     /// and batches of `2^19` rays: an image of 800 x 600 pixels in one.
     fn default() -> Self {
         Self {
@@ -30,6 +56,7 @@ impl Default for RenderSettings {
             depth: 5,
             shadows: true,
             light_samples: 4,
+            indirect: Indirect::Off,
             background: None,
             batch_rays: 1 << 19,
         }
@@ -43,6 +70,7 @@ impl RenderSettings {
             samples_per_pixel: self.samples_per_pixel.clamp(1, 1 << 16),
             depth: self.depth.min(32),
             light_samples: self.light_samples.clamp(1, 1024),
+            indirect: self.indirect.clamped(),
             batch_rays: self.batch_rays.clamp(1, 1 << 24),
             ..self.clone()
         }

@@ -9,3 +9,4 @@ pub(crate) mod sampling;
 pub(crate) mod scatter;
 pub(crate) mod surface_point;
 pub(crate) mod texture;
+pub(crate) mod turns;

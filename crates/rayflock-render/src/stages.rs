@@ -8,6 +8,8 @@
 //!                            refraction_rays refracted rays
 //! light:                   shadow_rays -> engine: occluded -> accumulate
 //! next bounce:             group_rays: mirrored and refracted rays, as one wave
+//!
+//! path tracer: scatter_paths in place of shade_surface, mirror_rays and refraction_rays
 //! ```
 //!
 //! Stages work on runs of [`RUN`] rays in parallel; what the runs give is put together in their
@@ -18,6 +20,7 @@ pub(crate) mod camera_rays;
 pub(crate) mod group_rays;
 pub(crate) mod mirror_rays;
 pub(crate) mod refraction_rays;
+pub(crate) mod scatter_paths;
 pub(crate) mod shade_surface;
 pub(crate) mod shadow_rays;
 

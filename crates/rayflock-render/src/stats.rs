@@ -2,6 +2,8 @@
 
 use rayflock_engine::TraceStats;
 
+use crate::vpl::VisibilityStats;
+
 /// Rays by what they were traced for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayCounts {
@@ -13,12 +15,14 @@ pub struct RayCounts {
     pub mirror: u64,
     /// Refracted.
     pub refraction: u64,
+    /// Turned by chance, and walks from lights.
+    pub indirect: u64,
 }
 
 impl RayCounts {
     /// Rays of all kinds.
     pub const fn total(&self) -> u64 {
-        self.primary + self.shadow + self.mirror + self.refraction
+        self.primary + self.shadow + self.mirror + self.refraction + self.indirect
     }
 }
 
@@ -29,12 +33,39 @@ pub struct FrameStats {
     pub trace: TraceStats,
     /// Rays by kind.
     pub rays: RayCounts,
+    /// Light from virtual lights.
+    pub indirect: IndirectStats,
     /// Time spent in the engine, in seconds; 0 where there is no clock (WebAssembly).
     pub trace_seconds: f64,
     /// Time spent on everything else, in seconds; 0 where there is no clock.
     pub shade_seconds: f64,
     /// Contributions that were not finite and therefore left out, as from values beyond `f32`.
     pub dropped: u64,
+}
+
+/// What light from virtual lights took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct IndirectStats {
+    /// Virtual lights.
+    pub lights: u64,
+    /// What visibility took.
+    pub visibility: VisibilityStats,
+    /// Radiance that arrived at pixels from virtual lights, summed over colours and samples.
+    pub gathered: f64,
+    /// Radiance that the bound kept away, summed likewise.
+    pub clamped: f64,
+    /// Time spent on walks, tracing included, in seconds; 0 where there is no clock.
+    pub shoot_seconds: f64,
+    /// Time spent on gathering, visibility included, in seconds; 0 where there is no clock.
+    pub gather_seconds: f64,
+}
+
+impl IndirectStats {
+    /// The share of the light of virtual lights that the bound kept away.
+    pub fn clamped_share(&self) -> f64 {
+        let all = self.gathered + self.clamped;
+        if all > 0.0 { self.clamped / all } else { 0.0 }
+    }
 }
 
 /// Measures seconds where there is a clock.

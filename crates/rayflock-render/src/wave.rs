@@ -6,6 +6,7 @@ use glam::Vec3;
 use rayflock_geom::{Column, RayBatch, RayOrder};
 
 use crate::shading::sampling::PathSeed;
+use crate::shading::turns::Chances;
 
 /// What a ray carries besides its geometry.
 #[derive(Clone, Copy, Debug)]
@@ -18,12 +19,20 @@ pub(crate) struct Path {
     pub(crate) pixel_idx: u32,
     /// Chooses the sample points on emitters.
     pub(crate) seed: PathSeed,
+    /// The density with which the last turn went this way, by solid angle; 0 where there was no
+    /// other way, as from the camera.
+    pub(crate) density: f32,
 }
 
 impl Path {
     /// A path that has met nothing yet, of the first pixel.
-    pub(crate) const NEW: Self =
-        Self { weight: Vec3::ONE, absorption: Vec3::ZERO, pixel_idx: 0, seed: PathSeed::NONE };
+    pub(crate) const NEW: Self = Self {
+        weight: Vec3::ONE,
+        absorption: Vec3::ZERO,
+        pixel_idx: 0,
+        seed: PathSeed::NONE,
+        density: 0.0,
+    };
 }
 
 /// Rays of one bounce; neighbours are close in the picture or in direction.
@@ -189,6 +198,8 @@ pub(crate) struct LitPoint {
     pub(crate) pixel_idx: u32,
     /// Chooses the sample points on emitters.
     pub(crate) seed: PathSeed,
+    /// How likely the path itself goes on toward a light; none where turns are not left to chance.
+    pub(crate) chances: Chances,
 }
 
 /// What shading one run of rays gives; kept from batch to batch for its memory.

@@ -19,7 +19,7 @@ use std::ops::Range;
 
 use rayflock_engine::auto::Choice;
 use rayflock_engine::{CommitStats, Fact, RayEngine};
-use rayflock_geom::HitBuffer;
+use rayflock_geom::{Aabb, HitBuffer};
 use rayflock_scene::{Background, LightKind, Scene, SceneFrame};
 use tracing::debug_span;
 
@@ -32,8 +32,10 @@ use crate::stages::group_rays::group_rays;
 use crate::stages::shade_surface::{Surroundings, shade_surface};
 use crate::stages::shadow_rays::{ShadowTarget, shadow_batch, shadow_rays};
 use crate::stats::Stopwatch;
+use crate::vpl::VplSettings;
+use crate::vpl::indirect::IndirectLight;
 use crate::wave::{ShadedRun, ShadowWave, Wave};
-use crate::{Film, FrameRenderer, FrameStats, RenderError, RenderSettings, View};
+use crate::{Film, FrameRenderer, FrameStats, Indirect, RenderError, RenderSettings, View};
 
 /// Renders frames in whole batches of rays over any engine.
 #[derive(Debug)]
@@ -41,6 +43,9 @@ pub struct WhittedRenderer {
     engine: Box<dyn RayEngine>,
     /// The committed frame, if there is one.
     frame: Option<FrameShading>,
+    /// Around the geometry of the committed frame.
+    bounds: Aabb,
+    indirect: IndirectLight,
     buffers: Buffers,
 }
 
@@ -58,6 +63,14 @@ struct Buffers {
     sums: BandSums,
 }
 
+/// What changes while a picture is rendered.
+struct Tracer<'a> {
+    engine: &'a mut dyn RayEngine,
+    indirect: &'a mut IndirectLight,
+    buffers: &'a mut Buffers,
+    stats: &'a mut FrameStats,
+}
+
 /// What stays the same for one picture.
 struct Picture<'a> {
     settings: RenderSettings,
@@ -68,7 +81,13 @@ struct Picture<'a> {
 impl WhittedRenderer {
     /// A renderer that traces with `engine`.
     pub fn new(engine: Box<dyn RayEngine>) -> Self {
-        Self { engine, frame: None, buffers: Buffers::default() }
+        Self {
+            engine,
+            frame: None,
+            bounds: Aabb::EMPTY,
+            indirect: IndirectLight::default(),
+            buffers: Buffers::default(),
+        }
     }
 
     /// The engine.
@@ -81,9 +100,11 @@ impl FrameRenderer for WhittedRenderer {
     fn commit(&mut self, scene: &Scene, frame: &SceneFrame) -> Result<CommitStats, RenderError> {
         let _span = debug_span!("commit_frame").entered();
         self.frame = None;
+        self.indirect.invalidate();
         let shading = FrameShading::new(scene, frame)?;
         let stats = self.engine.commit(&frame.geometry, &frame.changes)?;
         self.frame = Some(shading);
+        self.bounds = frame.geometry.bounds();
         Ok(stats)
     }
 
@@ -92,17 +113,26 @@ impl FrameRenderer for WhittedRenderer {
         let settings = settings.clamped();
         let Some(frame) = &self.frame else {
             let background = settings.background.unwrap_or(DEFAULT_SKY);
-            return render_background(view, &background, &mut self.buffers, film);
+            let mut wave = self.buffers.spare.pop().unwrap_or_default();
+            let stats = render_background(view, &background, &mut wave, film);
+            self.buffers.spare.push(wave);
+            return stats;
         };
         let picture = Picture::new(frame, view, settings);
         let stopwatch = Stopwatch::start();
         let (size, dropped_before) = ((film.width(), film.height()), self.buffers.sums.dropped());
         let mut stats = FrameStats::default();
+        let mut tracer = Tracer {
+            engine: &mut *self.engine,
+            indirect: &mut self.indirect,
+            buffers: &mut self.buffers,
+            stats: &mut stats,
+        };
+        picture.shoot(&self.bounds, &mut tracer);
         for rows in bands(size, picture.settings.batch_rays) {
-            let engine = &mut *self.engine;
-            picture.render_band(engine, view, size, &rows, &mut self.buffers, &mut stats);
+            picture.render_band(&mut tracer, view, size, &rows);
             let pixels = &mut film.pixels_mut()[rows.start * size.0..rows.end * size.0];
-            self.buffers.sums.write(picture.settings.samples_per_pixel, pixels);
+            tracer.buffers.sums.write(picture.settings.samples_per_pixel, pixels);
         }
         stats.dropped = self.buffers.sums.dropped() - dropped_before;
         stats.shade_seconds = (stopwatch.seconds() - stats.trace_seconds).max(0.0);
@@ -111,7 +141,8 @@ impl FrameRenderer for WhittedRenderer {
 
     fn memory_usage(&self) -> usize {
         let frame = self.frame.as_ref().map_or(0, FrameShading::memory_usage);
-        self.engine.memory_usage() + frame + self.buffers.memory_usage()
+        let kept = self.indirect.memory_usage() + self.buffers.memory_usage();
+        self.engine.memory_usage() + frame + kept
     }
 
     fn choices(&self) -> &[Choice] {
@@ -135,23 +166,21 @@ pub(crate) fn bands(
 }
 
 /// A picture of nothing.
-fn render_background(
+pub(crate) fn render_background(
     view: &View,
     background: &Background,
-    buffers: &mut Buffers,
+    wave: &mut Wave,
     film: &mut Film,
 ) -> FrameStats {
     let (width, height) = (film.width(), film.height());
-    let mut wave = buffers.spare.pop().unwrap_or_default();
     for y in 0..height {
-        camera_rays(view, (width, height), y..y + 1, 0, &mut wave);
+        camera_rays(view, (width, height), y..y + 1, 0, wave);
         let batch = wave.batch();
         for (ray_idx, path) in wave.paths.iter().enumerate() {
             let radiance = background::radiance(background, batch.ray(ray_idx).direction);
             film.pixels_mut()[y * width + path.pixel_idx as usize] = radiance.to_array();
         }
     }
-    buffers.spare.push(wave);
     FrameStats::default()
 }
 
@@ -164,45 +193,53 @@ impl<'a> Picture<'a> {
             frame.lights.lights.clone()
         };
         let background = settings.background.or(frame.background).unwrap_or(DEFAULT_SKY);
-        let surroundings = Surroundings { frame, background, sky_lights, depth: settings.depth };
+        let surroundings = Surroundings {
+            frame,
+            background,
+            sky_lights,
+            indirect: settings.indirect != Indirect::Off,
+            depth: settings.depth,
+        };
         Self { settings, surroundings, lights }
+    }
+
+    /// Leaves virtual lights, if light comes from them.
+    fn shoot(&self, bounds: &Aabb, tracer: &mut Tracer<'_>) {
+        if let Indirect::Vpl(settings) = &self.settings.indirect {
+            let frame = self.surroundings.frame;
+            let shining = (&self.lights[..], self.surroundings.background);
+            let Tracer { engine, indirect, stats, .. } = tracer;
+            indirect.shoot(&mut **engine, frame, shining, bounds, settings, stats);
+        }
     }
 
     /// Renders all samples of a band of rows into the sums.
     fn render_band(
         &self,
-        engine: &mut dyn RayEngine,
+        tracer: &mut Tracer<'_>,
         view: &View,
         size: (usize, usize),
         rows: &Range<usize>,
-        buffers: &mut Buffers,
-        stats: &mut FrameStats,
     ) {
-        buffers.sums.reset(size.0 * rows.len());
+        tracer.buffers.sums.reset(size.0 * rows.len());
         for sample_idx in 0..self.settings.samples_per_pixel {
-            let mut wave = buffers.spare.pop().unwrap_or_default();
+            let mut wave = tracer.buffers.spare.pop().unwrap_or_default();
             camera_rays(view, size, rows.clone(), sample_idx, &mut wave);
-            stats.rays.primary += wave.len() as u64;
+            tracer.stats.rays.primary += wave.len() as u64;
             let limit = self.settings.batch_rays.max(wave.len());
-            buffers.pending.push(wave);
-            while let Some(wave) = buffers.pending.pop() {
-                self.trace_wave(engine, &wave, sample_idx, buffers, stats);
+            tracer.buffers.pending.push(wave);
+            while let Some(wave) = tracer.buffers.pending.pop() {
+                self.trace_wave(&wave, sample_idx, tracer);
                 let next_bounce = wave.bounce + 1;
-                buffers.spare.push(wave);
-                next_waves(buffers, next_bounce, limit, stats);
+                tracer.buffers.spare.push(wave);
+                next_waves(tracer.buffers, next_bounce, limit, tracer.stats);
             }
         }
     }
 
     /// Traces, shades and lights one wave.
-    fn trace_wave(
-        &self,
-        engine: &mut dyn RayEngine,
-        wave: &Wave,
-        sample_idx: u32,
-        buffers: &mut Buffers,
-        stats: &mut FrameStats,
-    ) {
+    fn trace_wave(&self, wave: &Wave, sample_idx: u32, tracer: &mut Tracer<'_>) {
+        let Tracer { engine, buffers, stats, .. } = tracer;
         buffers.hits.reset(wave.len());
         let stopwatch = Stopwatch::start();
         let span = debug_span!("closest_hit").entered();
@@ -213,7 +250,7 @@ impl<'a> Picture<'a> {
         shade_surface(&self.surroundings, wave, &buffers.hits, &mut buffers.runs);
         buffers.sums.add_unshadowed(&buffers.runs);
         for light in &self.lights {
-            self.light(engine, ShadowTarget::Light(light), buffers, stats);
+            self.light(ShadowTarget::Light(light), tracer);
         }
         let emitters = &self.surroundings.frame.lights.emitters;
         if !emitters.is_empty() {
@@ -221,19 +258,17 @@ impl<'a> Picture<'a> {
             for light_sample in 0..sample_count {
                 let sample_idx = sample_idx.wrapping_mul(sample_count).wrapping_add(light_sample);
                 let target = ShadowTarget::Emitters { emitters, sample_idx, sample_count };
-                self.light(engine, target, buffers, stats);
+                self.light(target, tracer);
             }
+        }
+        if let Indirect::Vpl(settings) = &self.settings.indirect {
+            tracer.gather(settings, sample_idx);
         }
     }
 
     /// Adds what one light sends to the points of the current wave.
-    fn light(
-        &self,
-        engine: &mut dyn RayEngine,
-        target: ShadowTarget<'_>,
-        buffers: &mut Buffers,
-        stats: &mut FrameStats,
-    ) {
+    fn light(&self, target: ShadowTarget<'_>, tracer: &mut Tracer<'_>) {
+        let Tracer { engine, buffers, stats, .. } = tracer;
         shadow_rays(target, &mut buffers.runs, &mut buffers.shadow);
         let count = buffers.shadow.len();
         buffers.occluded.clear();
@@ -247,6 +282,18 @@ impl<'a> Picture<'a> {
             stats.trace_seconds += stopwatch.seconds();
             stats.rays.shadow += count as u64;
         }
+        buffers.sums.add_lit(&buffers.runs, &buffers.occluded);
+    }
+}
+
+impl Tracer<'_> {
+    /// Adds what virtual lights send to the points of the current wave.
+    fn gather(&mut self, settings: &VplSettings, sample_idx: u32) {
+        let Tracer { engine, indirect, buffers, stats } = self;
+        let settings = (settings, sample_idx);
+        indirect.gather(&mut **engine, settings, &mut buffers.runs, stats);
+        buffers.occluded.clear();
+        buffers.occluded.resize(buffers.runs.iter().map(|run| run.lit.len()).sum(), false);
         buffers.sums.add_lit(&buffers.runs, &buffers.occluded);
     }
 }

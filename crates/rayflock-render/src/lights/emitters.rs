@@ -21,6 +21,7 @@ use rayflock_scene::PrimMaterials;
 
 use super::incident::Incident;
 use crate::frame_shading::{FrameShading, ShadedObject, shaded_objects};
+use crate::shading::surface_point::{area_normal, slack};
 
 /// All primitives that emit, in world space.
 #[derive(Clone, Debug, Default)]
@@ -50,6 +51,19 @@ pub(crate) struct EmitterSample {
     pub(crate) source: Vec3,
     /// What arrives, divided by the probability of the sample.
     pub(crate) incident: Incident,
+    /// The density with which the sample was chosen, by solid angle.
+    pub(crate) density: f32,
+}
+
+/// A point from which light leaves an emitter.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leaving {
+    /// Just off the emitter, in world space.
+    pub(crate) origin: Vec3,
+    /// On the side to which light leaves, of unit length; by the cosine to it.
+    pub(crate) normal: Vec3,
+    /// All flux, divided by the probability of the emitter.
+    pub(crate) flux: Vec3,
 }
 
 impl Emitters {
@@ -62,6 +76,37 @@ impl Emitters {
             }
         }
         emitters
+    }
+
+    /// What all emitters together send out, into both sides of triangles.
+    pub(crate) fn flux(&self) -> Vec3 {
+        let flux = |emitter: &Emitter| emitter.radiance * (PI * emitter.shape.lit_area());
+        self.emitters.iter().map(flux).sum()
+    }
+
+    /// A point on some emitter, chosen by `choice` and `place` (numbers in `0..1`), from which
+    /// light leaves.
+    pub(crate) fn leaving(&self, choice: f32, place: [f32; 3]) -> Option<Leaving> {
+        let total = *self.cumulative.last()?;
+        let chosen = self.cumulative.partition_point(|&sum| sum <= choice * total);
+        let emitter = &self.emitters[chosen.min(self.emitters.len() - 1)];
+        let (source, normal) = match &emitter.shape {
+            EmitterShape::Triangle(corners) => {
+                let side = if place[0] < 0.5 { 1.0 } else { -1.0 };
+                let normal = area_normal(*corners).normalize_or_zero().as_vec3();
+                (triangle_point(corners, [place[1], place[2]]), side * normal)
+            }
+            EmitterShape::Sphere(sphere) => {
+                let height = 1.0 - 2.0 * place[1];
+                let (sin, cos) = (TAU * place[2]).sin_cos();
+                let radius = (1.0 - height * height).max(0.0).sqrt();
+                let outward = Vec3::new(radius * cos, height, radius * sin);
+                (sphere.center + sphere.radius * outward, outward)
+            }
+        };
+        let origin = source + normal * slack(source.abs().max_element());
+        let flux = emitter.radiance * (PI * emitter.shape.lit_area() * total / emitter.weight);
+        (flux.is_finite() && normal != Vec3::ZERO).then_some(Leaving { origin, normal, flux })
     }
 
     /// Whether nothing emits.
@@ -84,10 +129,35 @@ impl Emitters {
             EmitterShape::Sphere(sphere) => sphere_sample(sphere, position, random)?,
         };
         let to_light = (source - position).normalize_or_zero();
-        let irradiance = emitter.radiance * (solid_angle * total / emitter.weight);
-        irradiance
-            .is_finite()
-            .then_some(EmitterSample { source, incident: Incident { to_light, irradiance } })
+        let solid_angle = solid_angle * total / emitter.weight;
+        let irradiance = emitter.radiance * solid_angle;
+        let incident = Incident { to_light, irradiance };
+        let density = solid_angle.recip();
+        irradiance.is_finite().then_some(EmitterSample { source, incident, density })
+    }
+
+    /// The density with which [`Self::sample`] chooses the point `seen` of a primitive that emits
+    /// `radiance`, from `position`, by solid angle; 0 where it never does.
+    pub(crate) fn density(
+        &self,
+        object: &ShadedObject,
+        prim_id: PrimId,
+        radiance: Vec3,
+        position: Vec3,
+        seen: Vec3,
+    ) -> f32 {
+        let (Some(total), Some(shape)) = (self.cumulative.last(), shape_in_world(object, prim_id))
+        else {
+            return 0.0;
+        };
+        let density = match &shape {
+            EmitterShape::Triangle(corners) => solid_angle(corners, position, seen).recip(),
+            EmitterShape::Sphere(sphere) => {
+                sphere_depth(sphere, position).map_or(0.0, |depth| (TAU * depth).recip())
+            }
+        };
+        let density = density * shape.area() * luminance(radiance) / total;
+        if density.is_finite() { density } else { 0.0 }
     }
 
     fn add_object(&mut self, shading: &FrameShading, object: &ShadedObject) {
@@ -108,8 +178,7 @@ impl Emitters {
     }
 
     fn add(&mut self, shape: EmitterShape, radiance: Vec3) {
-        let luminance = radiance.dot(Vec3::new(0.2126, 0.7152, 0.0722));
-        let weight = shape.area() * luminance;
+        let weight = shape.area() * luminance(radiance);
         let sum = self.cumulative.last().copied().unwrap_or_default() + weight;
         if weight > 0.0 && sum.is_finite() {
             self.emitters.push(Emitter { shape, radiance, weight });
@@ -123,6 +192,14 @@ impl EmitterShape {
         match self {
             Self::Triangle([v0, v1, v2]) => 0.5 * (v1 - v0).cross(v2 - v0).length(),
             Self::Sphere(sphere) => 4.0 * PI * sphere.radius * sphere.radius,
+        }
+    }
+
+    /// The area that light leaves: both sides of a triangle.
+    fn lit_area(&self) -> f32 {
+        match self {
+            Self::Triangle(_) => 2.0 * self.area(),
+            Self::Sphere(_) => self.area(),
         }
     }
 }
@@ -147,16 +224,35 @@ fn shape_in_world(object: &ShadedObject, prim_id: PrimId) -> Option<EmitterShape
 /// A point of the triangle, and the solid angle that stands for all of it: area times cosine over
 /// distance squared.
 fn triangle_sample(corners: &[Vec3; 3], position: Vec3, random: [f32; 3]) -> Option<(Vec3, f32)> {
-    let [v0, v1, v2] = *corners;
-    let root = random[1].sqrt();
-    let (share0, share1) = (1.0 - root, root * random[2]);
-    let source = v0 * share0 + v1 * share1 + v2 * (1.0 - share0 - share1);
+    let source = triangle_point(corners, [random[1], random[2]]);
+    let solid_angle = solid_angle(corners, position, source);
+    (solid_angle > 0.0 && solid_angle.is_finite()).then_some((source, solid_angle))
+}
+
+fn triangle_point([v0, v1, v2]: &[Vec3; 3], random: [f32; 2]) -> Vec3 {
+    let root = random[0].sqrt();
+    let (share0, share1) = (1.0 - root, root * random[1]);
+    v0 * share0 + v1 * share1 + v2 * (1.0 - share0 - share1)
+}
+
+/// The solid angle of the whole triangle, were all of it as its point `source` is.
+fn solid_angle([v0, v1, v2]: &[Vec3; 3], position: Vec3, source: Vec3) -> f32 {
     let doubled_normal = (v1 - v0).cross(v2 - v0);
     let offset = source - position;
     let distance = offset.length();
     let cos_times_area = 0.5 * doubled_normal.dot(offset).abs() / distance;
-    let solid_angle = cos_times_area / (distance * distance);
-    (solid_angle > 0.0 && solid_angle.is_finite()).then_some((source, solid_angle))
+    cos_times_area / (distance * distance)
+}
+
+/// 1 - cos of the angle between the middle of the sphere and its edge, seen from outside; without
+/// cancellation.
+fn sphere_depth(sphere: &Sphere, position: Vec3) -> Option<f32> {
+    let sine = sphere.radius / (sphere.center - position).length();
+    (sine < 1.0).then(|| sine * sine / (1.0 + (1.0 - sine * sine).sqrt()))
+}
+
+fn luminance(radiance: Vec3) -> f32 {
+    radiance.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
 /// A point of the visible part of the sphere, and the solid angle of that part; `None` from
@@ -164,12 +260,7 @@ fn triangle_sample(corners: &[Vec3; 3], position: Vec3, random: [f32; 3]) -> Opt
 fn sphere_sample(sphere: &Sphere, position: Vec3, random: [f32; 3]) -> Option<(Vec3, f32)> {
     let offset = sphere.center - position;
     let distance = offset.length();
-    let sine = sphere.radius / distance;
-    if sine.is_nan() || sine >= 1.0 {
-        return None;
-    }
-    // 1 - cos without cancellation.
-    let depth = sine * sine / (1.0 + (1.0 - sine * sine).sqrt());
+    let depth = sphere_depth(sphere, position)?;
     let cos = 1.0 - random[1] * depth;
     let sin_squared = (1.0 - cos * cos).max(0.0);
     // From the direction in the cone to the near point of the sphere along it.

@@ -2,14 +2,18 @@
 //!
 //! Points come from an additive recurrence with the generalised golden ratio, in 32-bit fixed
 //! point, rotated by a hash of the path. A path is known by the pixel it started from and its
-//! turns, not by its place in a batch, so batches can be cut anywhere.
+//! turns, not by its place in a batch, so batches can be cut anywhere. Turns chosen by chance take
+//! their numbers from an Owen-scrambled Sobol sequence, of which there are as many as paths.
 //!
 //! **Source**: M. Roberts, *The Unreasonable Effectiveness of Quasirandom Sequences* (2018), for
 //! the recurrence; R. Cranley and T. Patterson, *Randomization of Number Theoretic Methods for
-//! Multiple Integration* (1976), for the rotation; C. Wellons, *Prospecting for Hash Functions*
+//! Multiple Integration* (1976), for the rotation; B. Burley, *Practical Hash-based Owen
+//! Scrambling*, JCGT 9(4), 2020, for the scrambling; C. Wellons, *Prospecting for Hash Functions*
 //! (2018), for the hash.
 
-use glam::Vec2;
+use std::f32::consts::TAU;
+
+use glam::{Vec2, Vec3};
 
 /// Powers of the inverse generalised golden ratio in two dimensions, times `2^32`.
 const RATIO_2: [u32; 2] = [0xc13f_a9a9, 0x91e1_0da6];
@@ -26,6 +30,8 @@ pub(crate) struct PathSeed(u32);
 pub(crate) enum Turn {
     Mirror,
     Refraction,
+    /// Chosen by chance: any.
+    Chance,
 }
 
 impl PathSeed {
@@ -40,6 +46,18 @@ impl PathSeed {
     /// The path after a turn.
     pub(crate) fn after(self, turn: Turn) -> Self {
         Self(hash(self.0 ^ (0x9e37_79b9 + turn as u32)))
+    }
+
+    /// The path that starts from light number `walk_idx`.
+    pub(crate) fn of_walks(first_walk: u32) -> Self {
+        Self(hash(0x51ed_270b ^ hash(first_walk)))
+    }
+
+    /// Point `sample_idx`, below `2^16`, of the sequence for turn `turn_idx` of such paths, in the
+    /// unit cube of four dimensions.
+    pub(crate) fn unit_4_cube(self, sample_idx: u32, turn_idx: u32) -> [f32; 4] {
+        let set = turn_idx % sobol_burley::NUM_DIMENSION_SETS_4D;
+        sobol_burley::sample_4d(sample_idx & 0xffff, set, self.0)
     }
 
     /// Point `sample_idx` of this path's sequence in the unit cube.
@@ -57,6 +75,15 @@ impl PathSeed {
 pub(crate) fn subpixel(sample_idx: u32) -> Vec2 {
     let [x, y] = RATIO_2.map(|ratio| unit_float(HALF.wrapping_add(sample_idx.wrapping_mul(ratio))));
     Vec2::new(x, y)
+}
+
+/// A direction about unit `normal`, chosen by `random`, with a density of its cosine over pi.
+pub(crate) fn cosine_direction(normal: Vec3, random: [f32; 2]) -> Vec3 {
+    let (side, up) = normal.any_orthonormal_pair();
+    let (sin_turn, cos_turn) = (TAU * random[1]).sin_cos();
+    let radius = random[0].sqrt();
+    let height = (1.0 - random[0]).sqrt();
+    (side * (radius * cos_turn) + up * (radius * sin_turn) + normal * height).normalize_or(normal)
 }
 
 fn hash(mut x: u32) -> u32 {
@@ -91,6 +118,19 @@ mod tests {
             counts[usize::from(position.x < 0.5) + 2 * usize::from(position.y < 0.5)] += 1;
         }
         assert!(counts.iter().all(|count| (3..=5).contains(count)), "{counts:?}");
+    }
+
+    #[test]
+    fn directions_crowd_around_the_normal_as_the_cosine_says() {
+        let normal = Vec3::new(0.48, 0.6, 0.64);
+        let seed = PathSeed::of_walks(0);
+        let mean = (0..1024).map(|i| {
+            let [u, v, ..] = seed.unit_4_cube(i, 3);
+            cosine_direction(normal, [u, v])
+        });
+        // The mean of the cosine, weighted by itself.
+        let mean = mean.sum::<Vec3>() / 1024.0;
+        assert!((mean - normal * (2.0 / 3.0)).length() < 1e-2, "{mean}");
     }
 
     #[test]

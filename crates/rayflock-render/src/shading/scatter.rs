@@ -35,6 +35,25 @@ pub(crate) struct Scatter {
     pub(crate) refraction_direction: Vec3,
 }
 
+impl Scatter {
+    /// Scales everything down, `highlight` too, where more light would leave than arrives, as
+    /// classic materials may have it; returns the factor. Light that goes on and on then fades.
+    pub(crate) fn conserve(&mut self, highlight: &mut Vec3, shininess: f32) -> f32 {
+        let sent = self.diffuse + self.mirror + self.transmission;
+        let most = (sent + *highlight * highlight_albedo(shininess)).max_element();
+        let kept = if most > 1.0 { most.recip() } else { 1.0 };
+        let shares = [&mut self.diffuse, &mut self.mirror, &mut self.transmission, highlight];
+        shares.into_iter().for_each(|share| *share *= kept);
+        kept
+    }
+}
+
+/// At most this times its strength a highlight sends back: `8 / (shininess + 1)`, by the integral
+/// of `(normal . halfway) ^ shininess` over all directions, and 2, a whole hemisphere.
+pub(crate) fn highlight_albedo(shininess: f32) -> f32 {
+    (8.0 / (shininess.max(0.0) + 1.0)).min(2.0)
+}
+
 /// Evaluates `material` at `point` for a ray along unit `direction`; `base` multiplies the
 /// diffuse and the ambient share.
 pub(crate) fn scatter(

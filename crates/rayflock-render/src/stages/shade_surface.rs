@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 use rayflock_geom::{HitBuffer, Ray, RayBatch};
-use rayflock_scene::{Background, Material};
+use rayflock_scene::Background;
 use rayon::prelude::*;
 use tracing::debug_span;
 
@@ -21,6 +21,7 @@ use crate::lights::key_light::SKY_SHARE;
 use crate::shading::background;
 use crate::shading::scatter::{Scatter, scatter};
 use crate::shading::surface_point::{SurfacePoint, surface_point};
+use crate::shading::turns::Chances;
 use crate::wave::{Contribution, LitPoint, Path, ShadedRun, Wave};
 
 /// What shading needs besides rays and hits.
@@ -32,6 +33,8 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) background: Background,
     /// Whether the background lights surfaces, in place of lights that a scene does not have.
     pub(crate) sky_lights: bool,
+    /// Whether light that was scattered before is traced, so that nothing stands for it.
+    pub(crate) indirect: bool,
     /// Turns that a path may take.
     pub(crate) depth: u32,
 }
@@ -39,6 +42,9 @@ pub(crate) struct Surroundings<'a> {
 impl Surroundings<'_> {
     /// The light from everywhere at a point with unit `normal`, as irradiance over pi.
     pub(crate) fn ambient(&self, normal: Vec3) -> Vec3 {
+        if self.indirect {
+            return Vec3::ZERO;
+        }
         let sky = if self.sky_lights {
             SKY_SHARE * background::irradiance_over_pi(&self.background, normal)
         } else {
@@ -70,7 +76,7 @@ pub(crate) fn shade_surface(
 }
 
 /// From the first to the last pixel of `paths`.
-fn pixels_of(paths: &[Path]) -> Range<usize> {
+pub(crate) fn pixels_of(paths: &[Path]) -> Range<usize> {
     let pixels = paths.iter().map(|path| path.pixel_idx as usize);
     let (first, last) =
         pixels.fold((usize::MAX, 0), |(first, last), pixel| (first.min(pixel), last.max(pixel)));
@@ -100,7 +106,11 @@ fn shade_ray(
     // What the surface itself sends out, and what it makes of ambient light.
     let material = frame.material(point.material);
     let base = frame.base_color(&point);
-    let scatter = scatter(material, &point, base, ray.direction / length);
+    let mut scatter = scatter(material, &point, base, ray.direction / length);
+    let mut highlight = material.specular;
+    if surroundings.indirect {
+        scatter.conserve(&mut highlight, material.shininess);
+    }
     let ambient = scatter.ambient * surroundings.ambient(point.normal);
     let radiance = path.weight * (material.emission + ambient);
     if radiance != Vec3::ZERO {
@@ -108,7 +118,7 @@ fn shade_ray(
     }
 
     // What lights may add, and where the path goes on.
-    push_lit_point(material, &point, &scatter, &path, &ray, run);
+    push_lit_point((&scatter, highlight, material.shininess), &point, &path, &ray, run);
     if wave.bounce < surroundings.depth {
         mirror_ray(&point, material, &scatter, &path, &mut run.mirror);
         refraction_ray(&point, material, &scatter, &path, &mut run.refraction);
@@ -116,14 +126,13 @@ fn shade_ray(
 }
 
 fn push_lit_point(
-    material: &Material,
+    (scatter, highlight, shininess): (&Scatter, Vec3, f32),
     point: &SurfacePoint,
-    scatter: &Scatter,
     path: &Path,
     ray: &Ray,
     run: &mut ShadedRun,
 ) {
-    let (diffuse, specular) = (path.weight * scatter.diffuse, path.weight * material.specular);
+    let (diffuse, specular) = (path.weight * scatter.diffuse, path.weight * highlight);
     if diffuse == Vec3::ZERO && specular == Vec3::ZERO {
         return;
     }
@@ -133,8 +142,9 @@ fn push_lit_point(
         to_viewer: -ray.direction.normalize_or_zero(),
         diffuse,
         specular,
-        shininess: material.shininess,
+        shininess,
         pixel_idx: path.pixel_idx,
         seed: path.seed,
+        chances: Chances::NONE,
     });
 }

@@ -13,7 +13,7 @@ use rayflock_scene::LightKind;
 use rayon::prelude::*;
 use tracing::debug_span;
 
-use crate::lights::emitters::Emitters;
+use crate::lights::emitters::{EmitterSample, Emitters};
 use crate::lights::incident::{Incident, incident};
 use crate::shading::scatter::reflected;
 use crate::wave::{Contribution, LitPoint, ShadedRun, ShadowWave};
@@ -100,13 +100,22 @@ fn push_ray(
         ShadowTarget::Emitters { emitters, sample_idx, sample_count } => {
             let random = point.seed.unit_cube(sample_idx);
             let Some(sample) = emitters.sample(point.shadow_position, random) else { return };
-            let share = 1.0 / sample_count as f32;
+            let share = chance_of_sample(point, &sample) / sample_count as f32;
             if push_contribution(point, &sample.incident, share, lit) {
                 wave.origins.push(point.shadow_position);
                 wave.directions.push(sample.source - point.shadow_position);
             }
         }
     }
+}
+
+/// What a sampled point counts for where the path may find the same light on its way: the balance
+/// heuristic.
+fn chance_of_sample(point: &LitPoint, sample: &EmitterSample) -> f32 {
+    let LitPoint { normal, to_viewer, shininess, .. } = *point;
+    let to_light = sample.incident.to_light;
+    let by_path = point.chances.density(normal, to_viewer, shininess, to_light);
+    1.0 / (1.0 + by_path / sample.density)
 }
 
 /// Adds what the point sends back of `share` of the light; `false` where that is nothing.

@@ -43,9 +43,18 @@ pub(crate) fn render_with(
     scene: &Scene,
     view: &View,
     settings: &RenderSettings,
+    size: (usize, usize),
+) -> (Film, FrameStats) {
+    render_by(&mut WhittedRenderer::new(create(kind)), scene, view, settings, size)
+}
+
+pub(crate) fn render_by(
+    renderer: &mut dyn FrameRenderer,
+    scene: &Scene,
+    view: &View,
+    settings: &RenderSettings,
     (width, height): (usize, usize),
 ) -> (Film, FrameStats) {
-    let mut renderer = WhittedRenderer::new(create(kind));
     renderer.commit(scene, &frame_of(scene)).unwrap();
     let mut film = Film::new(width, height);
     let stats = renderer.render(view, settings, &mut film);
@@ -73,6 +82,10 @@ pub(crate) fn render_reference(
     film
 }
 
+pub(crate) fn mean(film: &Film) -> Vec3 {
+    film.pixels().iter().map(|pixel| Vec3::from(*pixel)).sum::<Vec3>() / film.pixels().len() as f32
+}
+
 /// The one pixel that looks from `eye` at `target`.
 pub(crate) fn radiance(scene: &Scene, eye: Vec3, target: Vec3, settings: &RenderSettings) -> Vec3 {
     Vec3::from(render(scene, &look_at(eye, target), settings, (1, 1)).pixel(0, 0))
@@ -95,6 +108,18 @@ pub(crate) fn square(center: Vec3, normal: Vec3, half: f32) -> Mesh {
     let corner = |s: f32, u: f32| center + (side * s + up * u) * half;
     let corners = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
     Mesh::from_triangles(corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap()
+}
+
+/// A cube of side 2 around the origin, its sides wound as seen from inside.
+pub(crate) fn closed_room() -> Mesh {
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
+    let sides: Vec<Mesh> = axes.map(|axis| square(axis, -axis, 1.0)).collect();
+    let vertices = sides.iter().flat_map(|side| side.vertices().to_vec()).collect();
+    let triangles = sides.iter().enumerate().flat_map(|(side_idx, side)| {
+        let first = 4 * side_idx as u32;
+        side.triangles().iter().map(move |corners| corners.map(|corner| first + corner))
+    });
+    Mesh::from_triangles(vertices, triangles.collect::<Vec<_>>()).unwrap()
 }
 
 pub(crate) fn ball(center: Vec3, radius: f32) -> Mesh {

@@ -3,3 +3,5 @@
 mod agreement;
 mod common;
 mod light;
+mod paths;
+mod virtual_lights;

@@ -1,0 +1,37 @@
+//! Indirect light by virtual lights: walks from the lights leave lights, which light everything.
+//!
+//! | Part | What it is |
+//! |---|---|
+//! | [`VplSettings`] | how many lights, which visibility, which bound |
+//! | [`VirtualLights`] | the lights, as columns |
+//! | [`PairVisibility`] | what points see of lights, asked in tiles of many points and many lights |
+//!
+//! ```text
+//! picture:        shoot:  walks from sources, step by step -> engine: closest_hit -> lights
+//! wave of points: gather: tile of points and lights: who faces whom
+//!                           -> PairVisibility: exact (engine: occluded), or none
+//!                           -> sums, cut off at the bound
+//!                 or gather_chosen (`resample`): guessed visibility chooses few lights a point,
+//!                           -> exact visibility corrects the guess
+//! ```
+//!
+//! **Source**: A. Keller, *Instant Radiosity*, SIGGRAPH 1997; L. Szecsi, thesis, ch. 5, for
+//! visibility that may be approximate.
+//!
+//! **What is left out**: light that comes by a mirror or through glass onto a rough surface that
+//! is seen, as no virtual light lies on the way (caustics). Light that is scattered once after that
+//! is there.
+
+mod exact_visibility;
+mod gather;
+pub(crate) mod indirect;
+mod pair_visibility;
+mod resample;
+mod settings;
+mod shoot;
+mod sources;
+mod virtual_lights;
+
+pub use pair_visibility::{PairTile, PairVisibility, VisibilityStats};
+pub use settings::{ChosenBy, ChosenRays, Visibility, VplSettings};
+pub use virtual_lights::{Lobe, VirtualLight, VirtualLights};
