@@ -1,4 +1,4 @@
-//! Pictures of scenes, rendered in batches by any engine.
+//! Pictures of scenes and what sensors see of them, in batches by any engine.
 //!
 //! | Part | Use it when |
 //! |---|---|
@@ -7,6 +7,7 @@
 //! | [`FrameRenderer`] | your code takes any renderer of frames |
 //! | [`tonemap`] | you show or store a [`Film`] |
 //! | [`sun`] | you want to know for how many hours the sun shines on each face or vertex |
+//! | [`sensor`] | you simulate a LiDAR or a depth camera while the scene moves |
 //!
 //! # What is rendered
 //!
@@ -53,6 +54,7 @@ mod frame_shading;
 mod lights;
 pub mod reference;
 mod renderer;
+pub mod sensor;
 mod settings;
 mod shading;
 mod stages;

@@ -59,7 +59,8 @@ pub(crate) fn subpixel(sample_idx: u32) -> Vec2 {
     Vec2::new(x, y)
 }
 
-fn hash(mut x: u32) -> u32 {
+/// Spreads every bit over all others.
+pub(crate) fn hash(mut x: u32) -> u32 {
     x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
     x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
     x ^ (x >> 16)
