@@ -46,6 +46,13 @@ pub(crate) struct ShadedObject {
 impl FrameShading {
     /// Checks and gathers what shading needs.
     pub(crate) fn new(scene: &Scene, frame: &SceneFrame) -> Result<Self, RenderError> {
+        let mut shading = Self::unlit(scene, frame)?;
+        shading.lights = Lights::new(&shading, &frame.geometry, &frame.lights, scene.ambient);
+        Ok(shading)
+    }
+
+    /// The same without lights, for those who only ask what surfaces are made of.
+    pub(crate) fn unlit(scene: &Scene, frame: &SceneFrame) -> Result<Self, RenderError> {
         check_textures(scene)?;
         let mut objects = vec![None; frame.surfaces.len()];
         for object in frame.geometry.objects() {
@@ -57,15 +64,13 @@ impl FrameShading {
             check_surface(object, surface, scene.materials.len())?;
             objects[idx] = Some(ShadedObject::new(object, surface));
         }
-        let mut shading = Self {
+        Ok(Self {
             objects,
             materials: scene.materials.clone(),
             textures: scene.textures.clone(),
             lights: Lights::default(),
             background: scene.background,
-        };
-        shading.lights = Lights::new(&shading, &frame.geometry, &frame.lights, scene.ambient);
-        Ok(shading)
+        })
     }
 
     /// The object with this id; `None` for [`ObjectId::NONE`].

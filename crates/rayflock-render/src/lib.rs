@@ -1,4 +1,4 @@
-//! Pictures of scenes, rendered in batches by any engine.
+//! Pictures of scenes and what sensors see of them, in batches by any engine.
 //!
 //! | Part | Use it when |
 //! |---|---|
@@ -9,6 +9,7 @@
 //! | [`tonemap`] | you show or store a [`Film`] |
 //! | [`vpl`] | you want indirect light: virtual lights, and what points see of them |
 //! | [`sun`] | you want to know for how many hours the sun shines on each face or vertex |
+//! | [`sensor`] | you simulate a LiDAR or a depth camera while the scene moves |
 //!
 //! # What is rendered
 //!
@@ -56,6 +57,7 @@ mod lights;
 mod path_tracer;
 pub mod reference;
 mod renderer;
+pub mod sensor;
 mod settings;
 mod shading;
 mod stages;

@@ -10,7 +10,7 @@
 //! | [`engine`] | you want hits: several engines, one answer |
 //! | [`scene`] | things have materials and move: clips, skins, morph targets, built-in scenes |
 //! | [`import`] | a scene is in files: glTF, OBJ, PLY, STL, VTK, AFF, NumPy, sequences, caches |
-//! | [`render`] | you want pictures, or hours of sun |
+//! | [`render`] | you want pictures, hours of sun, or what sensors see |
 //! | [`prelude`] | you want all of the usual names at once |
 //!
 //! # Hits

@@ -86,7 +86,8 @@ pub(crate) fn cosine_direction(normal: Vec3, random: [f32; 2]) -> Vec3 {
     (side * (radius * cos_turn) + up * (radius * sin_turn) + normal * height).normalize_or(normal)
 }
 
-fn hash(mut x: u32) -> u32 {
+/// Spreads every bit over all others.
+pub(crate) fn hash(mut x: u32) -> u32 {
     x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
     x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
     x ^ (x >> 16)
