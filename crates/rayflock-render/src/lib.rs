@@ -67,6 +67,6 @@ pub use error::RenderError;
 pub use film::Film;
 pub use renderer::FrameRenderer;
 pub use settings::RenderSettings;
-pub use stats::{FrameStats, RayCounts};
+pub use stats::{FrameStats, RayCounts, StageStats, TraceStages};
 pub use view::View;
 pub use whitted::WhittedRenderer;
