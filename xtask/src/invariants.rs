@@ -4,7 +4,8 @@
 //!    the modules listed here and in `docs/architecture.md` have any.
 //! 2. Our crates depend on each other in one direction.
 //! 3. Dependencies with a gatekeeper are named by that crate alone: file formats by
-//!    `rayflock-import`, the SIMD crate by `rayflock-geom`, and there by `simd` alone.
+//!    `rayflock-import`, the SIMD crate by `rayflock-geom`, and there by `simd` alone, the graphics
+//!    card by `rayflock-gpu`.
 //! 4. `geom`, `scene`, `engine` and `render` do no input or output, so that they run in a browser.
 //!
 //! Dependencies of tests are free.
@@ -15,12 +16,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 /// Which of our crates each of them may depend on.
-const ALLOWED: [(&str, &[&str]); 11] = [
+const ALLOWED: [(&str, &[&str]); 12] = [
     ("rayflock-geom", &[]),
     ("rayflock-scene", &["rayflock-geom"]),
     ("rayflock-engine", &["rayflock-geom"]),
     ("rayflock-import", &["rayflock-geom", "rayflock-scene"]),
     ("rayflock-render", &["rayflock-geom", "rayflock-scene", "rayflock-engine"]),
+    ("rayflock-gpu", &["rayflock-geom", "rayflock-engine"]),
     ("rayflock-oracle", &["rayflock-geom"]),
     (
         "rayflock-testkit",
@@ -34,6 +36,7 @@ const ALLOWED: [(&str, &[&str]); 11] = [
             "rayflock-engine",
             "rayflock-import",
             "rayflock-render",
+            "rayflock-gpu",
         ],
     ),
     ("rayflock-bench", &["rayflock", "rayflock-oracle"]),
@@ -46,7 +49,7 @@ const UNSAFE_MODULES: [(&str, &str); 2] =
     [("rayflock-bench", "src/peer/embree/ffi.rs"), ("rayflock-geom", "src/prefetch.rs")];
 
 /// Dependencies that few crates may name. The program writes PLY, so it may name that crate too.
-const GATEKEEPERS: [(&str, &[&str]); 11] = [
+const GATEKEEPERS: [(&str, &[&str]); 12] = [
     ("fearless_simd", &["rayflock-geom"]),
     ("gltf", &["rayflock-import"]),
     ("tobj", &["rayflock-import"]),
@@ -58,6 +61,7 @@ const GATEKEEPERS: [(&str, &[&str]); 11] = [
     ("libloading", &["rayflock-bench"]),
     ("obvhs", &["rayflock-bench"]),
     ("webp-animation", &["rayflock-cli"]),
+    ("wgpu", &["rayflock-gpu"]),
 ];
 
 /// Crates that do no input or output, and what would be some.

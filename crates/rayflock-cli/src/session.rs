@@ -15,7 +15,7 @@ use crate::journal::Journal;
 use crate::output::{FrameNames, picture};
 use crate::plan::RenderPlan;
 use crate::progress::Progress;
-use crate::stats::{FrameRecord, RayRecord};
+use crate::stats::{FrameRecord, RayRecord, StageRecords};
 
 /// What lives from frame to frame.
 #[derive(Debug)]
@@ -51,7 +51,7 @@ impl Session {
         let missing: Vec<u32> = frames.iter().filter(|&f| journal.get(f).is_none()).collect();
         let done_count = frames.count() - missing.len() as u64;
         let progress = Progress::new(&self.plan.input.name, frames.count(), done_count);
-        let mut ignored_before = false;
+        let (mut ignored_before, mut noticed_before) = (false, false);
         for (done_count, frame) in (done_count..).zip(missing) {
             if interrupt.is_raised() {
                 progress.finish();
@@ -63,6 +63,12 @@ impl Session {
                 let name = &self.plan.input.name;
                 let text = ignored_text(name, frame, record.ignored, record.triangles);
                 progress.say(format_args!("warning: {text}"));
+            }
+            if let Some(notice) = self.renderer.notice()
+                && !noticed_before
+            {
+                noticed_before = true;
+                progress.say(format_args!("warning: frame {frame}: {notice}"));
             }
             if self.plan.explain {
                 for choice in self.renderer.choices() {
@@ -150,6 +156,7 @@ fn record(
         shade_ms: milliseconds(stats.shade_seconds),
         total_ms: times.total_ms,
         rays,
+        stages: StageRecords::new(&stats.stages),
         cone_tests: stats.trace.cone_tests,
         box_tests: stats.trace.box_tests,
         triangle_tests: stats.trace.triangle_tests,

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::Result;
+use rayflock::render::{StageStats, TraceStages};
 use serde::{Deserialize, Serialize};
 
 use crate::output::atomic;
@@ -32,6 +33,9 @@ pub(crate) struct FrameRecord {
     pub(crate) total_ms: f64,
     /// Rays by kind.
     pub(crate) rays: RayRecord,
+    /// What tracing took, by stage.
+    #[serde(default)]
+    pub(crate) stages: StageRecords,
     /// Cone tests.
     pub(crate) cone_tests: u64,
     /// Box tests.
@@ -58,6 +62,61 @@ pub(crate) struct FrameRecord {
     pub(crate) ignored: u64,
     /// Bytes that the engine holds, without the meshes.
     pub(crate) memory_bytes: u64,
+}
+
+/// What tracing the rays of one frame took, by stage.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct StageRecords {
+    /// Rays from the camera.
+    pub(crate) primary: StageRecord,
+    /// Mirrored and refracted rays.
+    pub(crate) secondary: StageRecord,
+    /// Rays towards lights.
+    pub(crate) shadow: StageRecord,
+}
+
+/// What tracing the rays of one stage took.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct StageRecord {
+    /// Rays.
+    pub(crate) rays: u64,
+    /// Milliseconds in the engine.
+    pub(crate) trace_ms: f64,
+    /// Cone tests.
+    pub(crate) cone_tests: u64,
+    /// Box tests.
+    pub(crate) box_tests: u64,
+    /// Ray-triangle tests.
+    pub(crate) triangle_tests: u64,
+    /// Ray-sphere tests.
+    pub(crate) sphere_tests: u64,
+    /// Candidates that the engine wrote down.
+    pub(crate) pairs: u64,
+}
+
+impl StageRecord {
+    fn new(stats: &StageStats) -> Self {
+        Self {
+            rays: stats.trace.rays,
+            trace_ms: 1e3 * stats.seconds,
+            cone_tests: stats.trace.cone_tests,
+            box_tests: stats.trace.box_tests,
+            triangle_tests: stats.trace.triangle_tests,
+            sphere_tests: stats.trace.sphere_tests,
+            pairs: stats.trace.pairs,
+        }
+    }
+}
+
+impl StageRecords {
+    /// What the renderer counted.
+    pub(crate) fn new(stages: &TraceStages) -> Self {
+        Self {
+            primary: StageRecord::new(&stages.primary),
+            secondary: StageRecord::new(&stages.secondary),
+            shadow: StageRecord::new(&stages.shadow),
+        }
+    }
 }
 
 /// Rays of one frame by kind.

@@ -59,6 +59,12 @@ pub trait RayEngine: Debug + Send {
     fn facts(&self) -> Vec<Fact> {
         Vec::new()
     }
+
+    /// What the user should hear of, though every question is answered: that a device was lost
+    /// and another engine goes on.
+    fn notice(&self) -> Option<&str> {
+        None
+    }
 }
 
 /// A number about what an engine holds.

@@ -74,6 +74,6 @@ pub use film::Film;
 pub use path_tracer::PathTracer;
 pub use renderer::FrameRenderer;
 pub use settings::{Indirect, RenderSettings};
-pub use stats::{FrameStats, IndirectStats, RayCounts};
+pub use stats::{FrameStats, IndirectStats, RayCounts, StageStats, TraceStages};
 pub use view::View;
 pub use whitted::WhittedRenderer;

@@ -38,4 +38,9 @@ pub trait FrameRenderer: Debug + Send {
     fn facts(&self) -> Vec<Fact> {
         Vec::new()
     }
+
+    /// What the user should hear of, though the picture is right.
+    fn notice(&self) -> Option<&str> {
+        None
+    }
 }

@@ -26,11 +26,40 @@ impl RayCounts {
     }
 }
 
+/// What tracing the rays of one stage took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StageStats {
+    /// What the engine counted.
+    pub trace: TraceStats,
+    /// Time spent in the engine, in seconds; 0 where there is no clock.
+    pub seconds: f64,
+}
+
+impl StageStats {
+    pub(crate) fn add(&mut self, trace: TraceStats, seconds: f64) {
+        self.trace += trace;
+        self.seconds += seconds;
+    }
+}
+
+/// What tracing took, by stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TraceStages {
+    /// Rays from the camera.
+    pub primary: StageStats,
+    /// Mirrored and refracted rays, which share waves.
+    pub secondary: StageStats,
+    /// Rays between surfaces and lights.
+    pub shadow: StageStats,
+}
+
 /// What rendering a frame took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameStats {
     /// What the engine counted.
     pub trace: TraceStats,
+    /// The same, and the time, by stage.
+    pub stages: TraceStages,
     /// Rays by kind.
     pub rays: RayCounts,
     /// Light from virtual lights.

@@ -152,6 +152,10 @@ impl FrameRenderer for WhittedRenderer {
     fn facts(&self) -> Vec<Fact> {
         self.engine.facts()
     }
+
+    fn notice(&self) -> Option<&str> {
+        self.engine.notice()
+    }
 }
 
 /// The rows of the film in bands of at most `batch_rays` pixels, but at least one row; of whole
@@ -243,9 +247,14 @@ impl<'a> Picture<'a> {
         buffers.hits.reset(wave.len());
         let stopwatch = Stopwatch::start();
         let span = debug_span!("closest_hit").entered();
-        stats.trace += engine.closest_hit(&wave.batch(), &mut buffers.hits.as_hits());
+        let trace = engine.closest_hit(&wave.batch(), &mut buffers.hits.as_hits());
         drop(span);
-        stats.trace_seconds += stopwatch.seconds();
+        let seconds = stopwatch.seconds();
+        stats.trace += trace;
+        stats.trace_seconds += seconds;
+        let stages = &mut stats.stages;
+        let stage = if wave.bounce == 0 { &mut stages.primary } else { &mut stages.secondary };
+        stage.add(trace, seconds);
 
         shade_surface(&self.surroundings, wave, &buffers.hits, &mut buffers.runs);
         buffers.sums.add_unshadowed(&buffers.runs);
@@ -277,9 +286,12 @@ impl<'a> Picture<'a> {
             let batch = shadow_batch(target, &buffers.shadow);
             let stopwatch = Stopwatch::start();
             let span = debug_span!("occluded").entered();
-            stats.trace += engine.occluded(&batch, &mut buffers.occluded);
+            let trace = engine.occluded(&batch, &mut buffers.occluded);
             drop(span);
-            stats.trace_seconds += stopwatch.seconds();
+            let seconds = stopwatch.seconds();
+            stats.trace += trace;
+            stats.trace_seconds += seconds;
+            stats.stages.shadow.add(trace, seconds);
             stats.rays.shadow += count as u64;
         }
         buffers.sums.add_lit(&buffers.runs, &buffers.occluded);

@@ -39,6 +39,13 @@ fn stats_have_every_field_of_the_contract() {
         for kind in ["shadow", "mirror", "refraction"] {
             assert!(frame["rays"][kind].as_u64().unwrap() > 0, "{kind}");
         }
+        let stages = &frame["stages"];
+        assert_eq!(stages["primary"]["rays"], frame["rays"]["primary"]);
+        assert_eq!(stages["shadow"]["rays"], frame["rays"]["shadow"]);
+        let tests =
+            ["primary", "secondary", "shadow"].map(|stage| &stages[stage]["triangle_tests"]);
+        let sum: u64 = tests.into_iter().map(|tests| tests.as_u64().unwrap()).sum();
+        assert_eq!(frame["triangle_tests"], sum);
         let part = |field: &str| frame[field].as_f64().unwrap();
         let sum = part("update_ms") + part("trace_ms") + part("shade_ms");
         assert!(sum <= part("total_ms") + 0.1, "the parts are within the whole");

@@ -1,0 +1,46 @@
+// What the vertex stage hands to the fragment stage: the primitive, the same for all fragments.
+
+struct DrawnPrimitive {
+    @location(0) a: vec3f,
+    @location(1) mask: u32,
+    @location(2) b: vec3f,
+    @location(3) kind: u32,
+    @location(4) c: vec3f,
+    @location(5) rank: u32,
+}
+
+struct Drawn {
+    @builtin(position) position: vec4f,
+    @location(0) @interpolate(flat) a: vec3f,
+    @location(1) @interpolate(flat) mask: u32,
+    @location(2) @interpolate(flat) b: vec3f,
+    @location(3) @interpolate(flat) kind: u32,
+    @location(4) @interpolate(flat) c: vec3f,
+    @location(5) @interpolate(flat) rank: u32,
+}
+
+struct Written {
+    // Bits of t, u and v, and the rank.
+    @location(0) hit: vec4u,
+    @builtin(frag_depth) depth: f32,
+}
+
+fn drawn_at(position: vec2f, prim: DrawnPrimitive) -> Drawn {
+    return Drawn(vec4f(position, 0.0, 1.0), prim.a, prim.mask, prim.b, prim.kind, prim.c,
+                 prim.rank);
+}
+
+// The exact test of the ray of this texel; discards where it is not accepted.
+fn write_hit(ray: Ray, drawn: Drawn) -> Written {
+    if (!is_active(ray)) {
+        discard;
+    }
+    let prepared = prepare_ray(ray.origin, ray.direction, ray.t_min, ray.mask);
+    let prim = Primitive(drawn.a, drawn.mask, drawn.b, drawn.kind, drawn.c, drawn.rank);
+    let outcome = intersect(prepared, prim, ray.t_max);
+    if (!outcome.accepted) {
+        discard;
+    }
+    let bits = vec3u(bitcast<u32>(outcome.t), bitcast<u32>(outcome.u), bitcast<u32>(outcome.v));
+    return Written(vec4u(bits, drawn.rank), depth_of(outcome.t));
+}

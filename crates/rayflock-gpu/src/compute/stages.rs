@@ -1,0 +1,54 @@
+//! The stages, ready to run.
+
+use wgpu::ComputePipeline;
+
+use crate::GpuContext;
+use crate::pipeline::compute_stage;
+use crate::shaders;
+
+/// Where cones of nodes and of roots begin: `FIRST_NODE` and `FIRST_ROOT` of
+/// `compute/params.wgsl`.
+const FIRST_NODE: f64 = 4096.0;
+const FIRST_ROOT: f64 = 4352.0;
+
+/// The stages, ready to run.
+#[derive(Debug)]
+pub(super) struct Stages {
+    pub(super) bound_chunks: ComputePipeline,
+    pub(super) bound_tiles: ComputePipeline,
+    pub(super) bound_nodes: ComputePipeline,
+    pub(super) bound_roots: ComputePipeline,
+    pub(super) seed_pairs: ComputePipeline,
+    /// For the pairs of roots, of nodes and of tiles.
+    pub(super) plan_dispatch: [ComputePipeline; 3],
+    pub(super) refine_roots: ComputePipeline,
+    pub(super) refine_nodes: ComputePipeline,
+    pub(super) plan_lists: ComputePipeline,
+    pub(super) fill_lists: ComputePipeline,
+    pub(super) trace_tile: ComputePipeline,
+}
+
+impl Stages {
+    pub(super) fn new(context: &GpuContext) -> Self {
+        let stage = |shader, constants: &[(&str, f64)]| compute_stage(context, shader, constants);
+        let bound = |first_child: f64, first_parent: f64| {
+            let constants = [("FIRST_CHILD", first_child), ("FIRST_PARENT", first_parent)];
+            stage(shaders::BOUND_NODES, &constants)
+        };
+        let plan = |level| stage(shaders::PLAN_DISPATCH, &[("LEVEL", level)]);
+        let refine = |is_last| stage(shaders::REFINE, &[("IS_LAST", is_last)]);
+        Self {
+            bound_chunks: stage(shaders::BOUND_CHUNKS, &[]),
+            bound_tiles: stage(shaders::BOUND_TILES, &[]),
+            bound_nodes: bound(0.0, FIRST_NODE),
+            bound_roots: bound(FIRST_NODE, FIRST_ROOT),
+            seed_pairs: stage(shaders::SEED_PAIRS, &[]),
+            plan_dispatch: [plan(0.0), plan(1.0), plan(2.0)],
+            refine_roots: refine(0.0),
+            refine_nodes: refine(1.0),
+            plan_lists: stage(shaders::PLAN_LISTS, &[]),
+            fill_lists: stage(shaders::FILL_LISTS, &[]),
+            trace_tile: stage(shaders::TRACE_TILE, &[]),
+        }
+    }
+}

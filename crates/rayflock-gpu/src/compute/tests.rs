@@ -1,0 +1,117 @@
+//! What only this engine has: buffers of pairs that overflow.
+
+use glam::Vec3;
+use rayflock_engine::{EngineKind, create};
+use rayflock_geom::{FrameChanges, Geometry, GeometryObject, HitBuffer, ObjectId, RayBatch};
+use rayflock_testkit::Rng;
+use rayflock_testkit::scenes::{SoupKind, triangle_soup};
+
+use super::Compute;
+use crate::GpuContext;
+use crate::layout::{Cone, DeviceHit, TileRange};
+use crate::method::{Method, Question};
+use crate::primitives::PrimitiveStore;
+use crate::slots::{Run, Slots};
+use crate::testing::{contexts, read};
+use crate::twins;
+
+/// Hits of a run by an engine with so much room for pairs at most, and the tests it took.
+fn trace(
+    context: &GpuContext,
+    most: usize,
+    geometry: &Geometry,
+    batch: &RayBatch<'_>,
+) -> (Vec<DeviceHit>, u64) {
+    let mut primitives = PrimitiveStore::default();
+    primitives.commit(context, geometry, &FrameChanges::all(), "gpu:compute").unwrap();
+    let mut compute = Compute::with_capacity(context, 64, most);
+    compute.prepare(context, &primitives);
+    let (mut slots, mut run) = (Slots::default(), Run::default());
+    slots.assign(batch);
+    run.fill(batch, &slots, 0, &|_| f32::INFINITY);
+    let counts = compute.trace(context, &primitives, &mut run, Question::Closest).unwrap();
+    (run.hits, counts.cones)
+}
+
+#[test]
+fn pairs_that_do_not_fit_are_never_dropped() {
+    let mut rng = Rng::new(51);
+    let soup = triangle_soup(&mut rng, SoupKind::Plain, 3000, Vec3::ZERO, 1.0);
+    let geometry = Geometry::new(vec![GeometryObject::new(ObjectId(0), soup)]).unwrap();
+    let origins: Vec<_> = (0..2000).map(|_| 2.0 * rng.in_cube()).collect();
+    let directions: Vec<_> = (0..2000).map(|_| rng.on_sphere()).collect();
+    let batch = RayBatch::new(&origins, &directions).unwrap();
+    let mut definition = create(EngineKind::Brute);
+    definition.commit(&geometry, &FrameChanges::all()).unwrap();
+    let mut expected = HitBuffer::new(2000);
+    definition.closest_hit(&batch, &mut expected.as_hits());
+    for context in contexts() {
+        let (grown, grown_tests) = trace(context, 1 << 20, &geometry, &batch);
+        let (split, split_tests) = trace(context, 1024, &geometry, &batch);
+        assert_eq!(grown, split);
+        assert!(split_tests != grown_tests, "nothing was split");
+        let same = (0..2000).filter(|&idx| grown[idx].rank == expected.prim_id[idx]).count();
+        assert!(same >= 1998, "{same} of 2000");
+    }
+}
+
+/// Stage by stage on one run: what each leaves in its buffers is what its twin makes of what it
+/// was given.
+#[test]
+fn stages_agree_with_their_twins() {
+    contexts().iter().for_each(|context| check_stages(context));
+}
+
+fn check_stages(context: &GpuContext) {
+    let mut rng = Rng::new(52);
+    let soup = triangle_soup(&mut rng, SoupKind::Plain, 2500, Vec3::ZERO, 1.0);
+    let geometry = Geometry::new(vec![GeometryObject::new(ObjectId(0), soup)]).unwrap();
+    let directions: Vec<_> = (0..64 * 300).map(|idx| spread(&mut rng, idx / 64)).collect();
+    let batch = RayBatch::new(Vec3::new(0.1, 0.2, -3.0), &directions).unwrap();
+    let mut primitives = PrimitiveStore::default();
+    primitives.commit(context, &geometry, &FrameChanges::all(), "gpu:compute").unwrap();
+    let mut compute = Compute::new(context);
+    compute.prepare(context, &primitives);
+    let (mut slots, mut run) = (Slots::default(), Run::default());
+    slots.assign(&batch);
+    run.fill(&batch, &slots, 0, &|_| f32::INFINITY);
+    compute.trace(context, &primitives, &mut run, Question::Closest).unwrap();
+
+    let chunks: Vec<twins::DeviceSphere> = read(context, compute.chunks[0].buffer(), 2500 / 16);
+    for (chunk_idx, chunk) in chunks.iter().enumerate() {
+        let expected = twins::bound_chunks(&primitives.host()[16 * chunk_idx..][..16]);
+        assert!(near(chunk, &expected), "chunk {chunk_idx}: {chunk:?}, not {expected:?}");
+    }
+    let buffers = &compute.buffers;
+    let cones: Vec<Cone> = read(context, buffers.cone_buffer(), 300);
+    let ranges: Vec<TileRange> = read(context, buffers.range_buffer(), 300);
+    let list: Vec<u32> = read(context, buffers.list_buffer(), 1 << 16);
+    let counts: Vec<_> = ranges.iter().map(|range| range.count).collect();
+    assert_eq!(ranges, twins::plan_lists(&counts));
+    for (tile_idx, cone) in cones.iter().enumerate() {
+        let expected = twins::bound_tiles(&run.rays[64 * tile_idx..][..64]);
+        let numbers = |cone: &Cone| bytemuck::cast::<Cone, [f32; 8]>(*cone);
+        assert!(near(&numbers(cone), &numbers(&expected)), "{cone:?}, not {expected:?}");
+        let range = ranges[tile_idx];
+        let listed = &list[range.first as usize..][..range.count as usize];
+        for (chunk_idx, chunk) in chunks.iter().enumerate() {
+            let apart = twins::refine(cone, *chunk);
+            let is_listed = listed.contains(&(chunk_idx as u32));
+            // What is neither clearly apart nor clearly touched may be on either side.
+            assert!(is_listed || apart > 1e-6, "{chunk_idx} is missing from tile {tile_idx}");
+            assert!(!is_listed || apart < 1e-4, "{chunk_idx} is too much in tile {tile_idx}");
+        }
+    }
+}
+
+/// A direction near that of its tile; every tenth tile goes to all sides.
+fn spread(rng: &mut Rng, tile_idx: usize) -> Vec3 {
+    let angle = tile_idx as f32 * 0.02;
+    let main = Vec3::new(0.4 * angle.sin(), 0.4 * angle.cos(), 1.0);
+    let width = if tile_idx.is_multiple_of(10) { 3.0 } else { 0.05 };
+    main + width * rng.in_cube()
+}
+
+fn near(found: &[f32], expected: &[f32]) -> bool {
+    found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 3e-5 * (1.0 + b.abs()))
+}

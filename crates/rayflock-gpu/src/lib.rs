@@ -1,0 +1,58 @@
+//! Rayflock's ray engines on the graphics card.
+//!
+//! They answer what the engines of [`rayflock_engine`] answer, by the same trait, on whatever
+//! wgpu finds: Vulkan, Metal or DX12, cards or software. Distances agree with those of the CPU
+//! within rounding.
+//!
+//! | Engine | What it is | Use it when |
+//! |---|---|---|
+//! | `gpu:brute` | every primitive is drawn over all rays | you want what the others are measured by |
+//! | `gpu:raster` | primitives are drawn over the tiles of rays that may hit them | you want the hierarchical ray engine as published |
+//! | `gpu:compute` | a tree of cones over the rays, pairs refined by compaction | you want hits |
+//!
+//! | Part | Use it when |
+//! |---|---|
+//! | [`GpuEngineSpec`] | you have the name of an engine: `gpu:brute`, `gpu:brute@1` |
+//! | [`GpuEngine`] | you want hits |
+//! | [`GpuContext`] | several engines share a device |
+//! | [`list_adapters`] | you want to know what there is |
+//!
+//! ```
+//! use rayflock_gpu::{GpuEngine, GpuEngineSpec, GpuError};
+//!
+//! let spec: GpuEngineSpec = "gpu:brute".parse()?;
+//! match GpuEngine::open(&spec) {
+//!     Ok(engine) => println!("{engine:?}"),
+//!     Err(error) => println!("{error}"),
+//! }
+//! # Ok::<(), GpuError>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod adapter;
+mod brute;
+mod buffer;
+mod compute;
+mod context;
+mod engine;
+mod error;
+mod kind;
+mod layout;
+mod method;
+mod pipeline;
+mod primitives;
+mod raster;
+mod ray_textures;
+mod shaders;
+mod slots;
+mod standby;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod twins;
+
+pub use adapter::{AdapterChoice, AdapterSummary, list_adapters};
+pub use context::GpuContext;
+pub use engine::GpuEngine;
+pub use error::GpuError;
+pub use kind::{GpuEngineKind, GpuEngineSpec};

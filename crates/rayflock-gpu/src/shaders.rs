@@ -1,0 +1,101 @@
+//! WGSL by name: each program is a stage's file after those it shares with others.
+//!
+//! Declarations in WGSL may stand in any order, so putting files together is all the including
+//! that is needed.
+
+/// A program for the device.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shader {
+    /// Its file in `shader/`, without the extension: `compute/trace_tile`.
+    pub(crate) name: &'static str,
+    /// The whole text.
+    pub(crate) source: &'static str,
+}
+
+macro_rules! shader {
+    ($name:literal, $($shared:literal),*) => {
+        Shader {
+            name: $name,
+            source: concat!(
+                $(include_str!(concat!("../shader/", $shared, ".wgsl")),)*
+                include_str!(concat!("../shader/", $name, ".wgsl"))
+            ),
+        }
+    };
+}
+
+pub(crate) const BRUTE_CROSS: Shader = shader!(
+    "brute/cross",
+    "shared/primitive",
+    "shared/ray",
+    "shared/limits",
+    "shared/intersect",
+    "shared/depth",
+    "shared/ray_textures",
+    "shared/draw"
+);
+
+pub(crate) const BOUND_PRIMITIVES: Shader = shader!("raster/bound_primitives", "shared/primitive");
+pub(crate) const RASTER_BOUND_TILES: Shader = shader!(
+    "raster/bound_tiles",
+    "shared/ray",
+    "shared/limits",
+    "shared/cone",
+    "shared/tiles",
+    "shared/ray_textures"
+);
+pub(crate) const RASTER_TRACE_TILE: Shader = shader!(
+    "raster/trace_tile",
+    "shared/primitive",
+    "shared/ray",
+    "shared/limits",
+    "shared/intersect",
+    "shared/cone",
+    "shared/depth",
+    "shared/tiles",
+    "shared/ray_textures",
+    "shared/draw"
+);
+pub(crate) const BOUND_CHUNKS: Shader =
+    shader!("compute/bound_chunks", "shared/primitive", "shared/limits", "compute/params");
+pub(crate) const BOUND_TILES: Shader =
+    shader!("compute/bound_tiles", "shared/ray", "shared/limits", "shared/cone", "compute/params");
+pub(crate) const BOUND_NODES: Shader =
+    shader!("compute/bound_nodes", "shared/limits", "shared/cone", "compute/params");
+pub(crate) const SEED_PAIRS: Shader =
+    shader!("compute/seed_pairs", "shared/cone", "compute/params", "compute/append");
+pub(crate) const PLAN_DISPATCH: Shader = shader!("compute/plan_dispatch", "compute/params");
+pub(crate) const REFINE: Shader =
+    shader!("compute/refine", "shared/cone", "compute/params", "compute/append");
+pub(crate) const PLAN_LISTS: Shader = shader!("compute/plan_lists", "compute/params");
+pub(crate) const FILL_LISTS: Shader = shader!("compute/fill_lists", "compute/params");
+pub(crate) const TRACE_TILE: Shader = shader!(
+    "compute/trace_tile",
+    "shared/primitive",
+    "shared/ray",
+    "shared/limits",
+    "shared/intersect",
+    "shared/cone",
+    "compute/params"
+);
+
+/// Every program.
+#[cfg(test)]
+pub(crate) const ALL: &[Shader] = &[
+    BRUTE_CROSS,
+    BOUND_PRIMITIVES,
+    RASTER_BOUND_TILES,
+    RASTER_TRACE_TILE,
+    BOUND_CHUNKS,
+    BOUND_TILES,
+    BOUND_NODES,
+    SEED_PAIRS,
+    PLAN_DISPATCH,
+    REFINE,
+    PLAN_LISTS,
+    FILL_LISTS,
+    TRACE_TILE,
+];
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,105 @@
+//! WGSL without a device: all of it is valid, and what the host writes is what it reads.
+
+use std::collections::BTreeSet;
+use std::mem::offset_of;
+use std::path::Path;
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{Module, TypeInner};
+
+use super::{ALL, Shader};
+use crate::layout::{
+    Cone, Counters, DeviceHit, DevicePrimitive, DeviceRay, Pair, Params, TileRange,
+};
+
+fn parse(shader: &Shader) -> Module {
+    naga::front::wgsl::parse_str(shader.source)
+        .unwrap_or_else(|error| panic!("{}: {}", shader.name, error.emit_to_string(shader.source)))
+}
+
+#[test]
+fn every_shader_is_valid() {
+    for shader in ALL {
+        let module = parse(shader);
+        // Nothing beyond what WebGPU has.
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+        if let Err(error) = validator.validate(&module) {
+            panic!("{}: {}", shader.name, error.emit_to_string(shader.source));
+        }
+    }
+}
+
+/// Of each stage, so that programs run on whatever has WebGPU.
+#[test]
+fn no_stage_binds_more_than_eight_storage_buffers() {
+    for shader in ALL {
+        let module = parse(shader);
+        let storage = module
+            .global_variables
+            .iter()
+            .filter(|(_, variable)| matches!(variable.space, naga::AddressSpace::Storage { .. }));
+        assert!(storage.count() <= 8, "{}", shader.name);
+    }
+}
+
+#[test]
+fn every_file_is_part_of_a_program() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shader");
+    let named: BTreeSet<_> = ALL.iter().map(|shader| shader.name.to_owned()).collect();
+    let mut found = BTreeSet::new();
+    for engine in std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
+        for file in std::fs::read_dir(&engine).unwrap().map(|entry| entry.unwrap().path()) {
+            let name = file.with_extension("");
+            let name = name.strip_prefix(&folder).unwrap().to_string_lossy().replace('\\', "/");
+            let text = std::fs::read_to_string(&file).unwrap();
+            let is_used = ALL.iter().any(|shader| shader.source.contains(&text));
+            assert!(is_used, "{name}.wgsl is part of no program");
+            if text.contains("@compute") || text.contains("@fragment") {
+                found.insert(name);
+            }
+        }
+    }
+    assert_eq!(found, named);
+}
+
+/// Size, and name and offset of each member, of a structure.
+fn structure(name: &str) -> (u32, Vec<(String, u32)>) {
+    let modules = ALL.iter().map(parse);
+    let find = |module: Module| {
+        let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name))?;
+        let TypeInner::Struct { members, span } = &found.1.inner else { return None };
+        let member = |m: &naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset);
+        Some((*span, members.iter().map(member).collect()))
+    };
+    modules.into_iter().find_map(find).unwrap_or_else(|| panic!("no program has {name}"))
+}
+
+macro_rules! assert_mirrors {
+    ($name:literal, $ty:ty, $($member:ident),*) => {
+        let members = vec![$((stringify!($member).to_owned(), offset_of!($ty, $member) as u32)),*];
+        assert_eq!(structure($name), (size_of::<$ty>() as u32, members), $name);
+    };
+}
+
+#[test]
+fn host_and_device_agree_about_every_byte() {
+    assert_mirrors!("Primitive", DevicePrimitive, a, mask, b, kind, c, rank);
+    assert_mirrors!(
+        "Ray", DeviceRay, origin, t_min, direction, t_max, mask, slot, unused_a, unused_b
+    );
+    assert_mirrors!("Hit", DeviceHit, t, u, v, rank);
+    assert_mirrors!("Cone", Cone, center, radius, axis, sin);
+    assert_mirrors!("Params", Params, tile_count, chunk_count, pair_capacity, question);
+    assert_mirrors!(
+        "Counters",
+        Counters,
+        root_pairs,
+        node_pairs,
+        tile_pairs,
+        chunk_tests,
+        triangle_tests,
+        sphere_tests
+    );
+    assert_mirrors!("Pair", Pair, cone_idx, chunk_idx);
+    assert_mirrors!("TileRange", TileRange, first, count);
+}

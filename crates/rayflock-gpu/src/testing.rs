@@ -1,0 +1,32 @@
+//! The devices that the tests of stages share.
+
+use std::sync::{Arc, OnceLock};
+
+use wgpu::Buffer;
+
+use crate::buffer::ReadBack;
+use crate::{AdapterChoice, GpuContext, list_adapters};
+
+/// A device on each adapter; `tests/suite/` makes sure that there are as many as expected.
+pub(crate) fn contexts() -> &'static [Arc<GpuContext>] {
+    static CONTEXTS: OnceLock<Vec<Arc<GpuContext>>> = OnceLock::new();
+    let open = |number| GpuContext::new(AdapterChoice::Number(number)).unwrap();
+    CONTEXTS.get_or_init(|| (0..list_adapters().len()).map(open).collect())
+}
+
+/// The first `count` entries of a buffer.
+pub(crate) fn read<T: bytemuck::Pod>(
+    context: &GpuContext,
+    buffer: &Buffer,
+    count: usize,
+) -> Vec<T> {
+    let bytes = count * size_of::<T>();
+    let mut read_back = ReadBack::new();
+    let target = read_back.target(context, bytes);
+    let mut encoder = context.device.create_command_encoder(&Default::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &target, 0, Some(bytes as u64));
+    let mut found = Vec::new();
+    let take = |bytes: &[u8]| found = bytemuck::pod_collect_to_vec(bytes);
+    read_back.run(context, encoder, bytes, take).unwrap();
+    found
+}

@@ -1,0 +1,156 @@
+//! What stages of the device compute, on the CPU and written for reading: their definition, and
+//! what tests compare them with.
+//!
+//! Functions have the names of the files in `shader/`; [`TWINS`] says for each stage where its
+//! definition is, or why it has none.
+
+use glam::Vec3;
+
+use crate::layout::{Cone, DevicePrimitive, DeviceRay, SPHERE, TileRange};
+
+/// Where the definition of a stage is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Twin {
+    /// In this module, under the stage's name.
+    Here,
+    /// Elsewhere, for this reason.
+    Elsewhere(&'static str),
+}
+
+const BY_ANSWER: &str = "what it finds is compared with the engine `brute` of the CPU and judged by \
+                         the oracle (tests/suite/agreement.rs)";
+
+/// Every stage.
+pub(crate) const TWINS: &[(&str, Twin)] = &[
+    ("brute/cross", Twin::Elsewhere(BY_ANSWER)),
+    ("raster/bound_primitives", Twin::Here),
+    (
+        "raster/bound_tiles",
+        Twin::Elsewhere(
+            "`bound_tiles` over rays in textures; what it rejects wrongly is missed by raster/trace_tile",
+        ),
+    ),
+    ("raster/trace_tile", Twin::Elsewhere(BY_ANSWER)),
+    ("compute/bound_chunks", Twin::Here),
+    ("compute/bound_tiles", Twin::Here),
+    (
+        "compute/bound_nodes",
+        Twin::Elsewhere("any cone around the children will do; `refine` compares what comes of it"),
+    ),
+    ("compute/seed_pairs", Twin::Elsewhere("the first level of `refine`")),
+    (
+        "compute/plan_dispatch",
+        Twin::Elsewhere("a division; too few workgroups leave chunks out of `fill_lists`"),
+    ),
+    ("compute/refine", Twin::Here),
+    ("compute/plan_lists", Twin::Here),
+    ("compute/fill_lists", Twin::Elsewhere("the lists that `refine` makes")),
+    ("compute/trace_tile", Twin::Elsewhere(BY_ANSWER)),
+];
+
+/// A sphere: centre and radius; a negative radius where there is nothing.
+pub(crate) type DeviceSphere = [f32; 4];
+
+/// The sphere around a primitive.
+pub(crate) fn bound_primitives(prim: &DevicePrimitive) -> DeviceSphere {
+    let [a, b, c] = [prim.a, prim.b, prim.c].map(Vec3::from);
+    if prim.mask == 0 {
+        return with_radius(a, -1.0);
+    }
+    if prim.kind == SPHERE {
+        return with_radius(a, b.x);
+    }
+    let center = 0.5 * a.min(b).min(c) + 0.5 * a.max(b).max(c);
+    let radius = [a, b, c].map(|corner| corner.distance(center)).into_iter().fold(0.0, f32::max);
+    with_radius(center, radius)
+}
+
+/// The sphere around a chunk of primitives.
+pub(crate) fn bound_chunks(prims: &[DevicePrimitive]) -> DeviceSphere {
+    let spheres = prims.iter().map(bound_primitives).filter(|sphere| sphere[3] >= 0.0);
+    let centers = spheres.clone().map(center);
+    let low = centers.clone().fold(Vec3::INFINITY, Vec3::min);
+    let high = centers.fold(Vec3::NEG_INFINITY, Vec3::max);
+    let middle = 0.5 * low + 0.5 * high;
+    let reach = spheres.map(|sphere| center(sphere).distance(middle) + sphere[3]);
+    with_radius(middle, reach.fold(-1.0, f32::max))
+}
+
+/// The cone around the rays of a tile; the sine is 2 around all directions, -1 around no ray.
+pub(crate) fn bound_tiles(rays: &[DeviceRay]) -> Cone {
+    let active = rays.iter().filter(|ray| ray.is_active());
+    let origins = active.clone().map(|ray| Vec3::from(ray.origin));
+    let units = active.clone().map(|ray| Vec3::from(ray.direction).normalize());
+    let low = origins.clone().fold(Vec3::INFINITY, Vec3::min);
+    let high = origins.clone().fold(Vec3::NEG_INFINITY, Vec3::max);
+    if low.x > high.x {
+        return Cone { center: [0.0; 3], radius: 0.0, axis: [0.0, 0.0, 1.0], sin: -1.0 };
+    }
+    let middle = 0.5 * low + 0.5 * high;
+    let axis = units.clone().sum::<Vec3>().normalize_or(Vec3::Z);
+    let radius = origins.map(|origin| origin.distance(middle)).fold(0.0, f32::max);
+    let cos = units.clone().map(|unit| unit.dot(axis)).fold(1.0, f32::min);
+    let sin = units.map(|unit| (unit - unit.dot(axis) * axis).length()).fold(0.0, f32::max);
+    let is_bounded = cos >= 0.05 && sin < 0.998;
+    let reaches_behind = active.clone().any(|ray| ray.t_min < 0.0);
+    let (center, axis) = (middle.to_array(), axis.to_array());
+    if reaches_behind {
+        return Cone { center, radius: 1e30, axis, sin: 2.0 };
+    }
+    Cone { center, radius, axis, sin: if is_bounded { sin } else { 2.0 } }
+}
+
+/// How far a sphere is from being touched by a cone, over the distances at work: not above 0 where
+/// it is touched. A list holds the chunks of which the cone of its tile says so.
+pub(crate) fn refine(cone: &Cone, sphere: DeviceSphere) -> f32 {
+    if cone.sin < 0.0 || sphere[3] < 0.0 {
+        return f32::INFINITY;
+    }
+    if cone.sin > 1.0 {
+        return f32::NEG_INFINITY;
+    }
+    let (v, axis) = (center(sphere) - Vec3::from(cone.center), Vec3::from(cone.axis));
+    let radii = cone.radius + sphere[3];
+    let along = v.dot(axis);
+    let across = (v - along * axis).length();
+    let cos = (1.0 - cone.sin * cone.sin).sqrt();
+    let apart = (across * cos - along * cone.sin).max(-along) - radii;
+    apart / (v.abs().element_sum() + radii)
+}
+
+/// Where the list of each tile begins, from how many chunks each has.
+pub(crate) fn plan_lists(counts: &[u32]) -> Vec<TileRange> {
+    let mut end = 0;
+    let place = |&count: &u32| {
+        let first = end;
+        end += count;
+        TileRange { first, count }
+    };
+    counts.iter().map(place).collect()
+}
+
+fn center([x, y, z, _]: DeviceSphere) -> Vec3 {
+    Vec3::new(x, y, z)
+}
+
+fn with_radius(center: Vec3, radius: f32) -> DeviceSphere {
+    [center.x, center.y, center.z, radius]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shaders::ALL;
+
+    #[test]
+    fn every_stage_has_a_definition_or_a_reason() {
+        let stages: Vec<_> = ALL.iter().map(|shader| shader.name).collect();
+        let told: Vec<_> = TWINS.iter().map(|(name, _)| *name).collect();
+        assert_eq!(told, stages);
+        for (name, twin) in TWINS {
+            if let Twin::Elsewhere(reason) = twin {
+                assert!(!reason.is_empty(), "{name}");
+            }
+        }
+    }
+}
