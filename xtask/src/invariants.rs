@@ -46,7 +46,7 @@ const UNSAFE_MODULES: [(&str, &str); 2] =
     [("rayflock-bench", "src/peer/embree/ffi.rs"), ("rayflock-geom", "src/prefetch.rs")];
 
 /// Dependencies that few crates may name. The program writes PLY, so it may name that crate too.
-const GATEKEEPERS: [(&str, &[&str]); 11] = [
+const GATEKEEPERS: [(&str, &[&str]); 12] = [
     ("fearless_simd", &["rayflock-geom"]),
     ("gltf", &["rayflock-import"]),
     ("tobj", &["rayflock-import"]),
@@ -57,6 +57,7 @@ const GATEKEEPERS: [(&str, &[&str]); 11] = [
     ("zip", &["rayflock-import"]),
     ("libloading", &["rayflock-bench"]),
     ("obvhs", &["rayflock-bench"]),
+    ("pcd-rs", &["rayflock-cli"]),
     ("webp-animation", &["rayflock-cli"]),
 ];
 
