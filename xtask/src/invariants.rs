@@ -60,6 +60,7 @@ const GATEKEEPERS: [(&str, &[&str]); 12] = [
     ("zip", &["rayflock-import"]),
     ("libloading", &["rayflock-bench"]),
     ("obvhs", &["rayflock-bench"]),
+    ("pcd-rs", &["rayflock-cli"]),
     ("webp-animation", &["rayflock-cli"]),
     ("wgpu", &["rayflock-gpu"]),
 ];

@@ -6,6 +6,9 @@
 mod bench;
 mod convert;
 mod engine;
+mod numbers;
+mod sense;
+mod sensor_options;
 mod sun;
 mod trace;
 
@@ -25,6 +28,9 @@ pub(crate) use bench::{
 };
 pub(crate) use convert::ConvertArguments;
 pub(crate) use engine::EngineChoice;
+pub(crate) use numbers::{Elevations, Field, Measures, Numbers};
+pub(crate) use sense::{SenseArguments, Shown};
+pub(crate) use sensor_options::{PoseOptions, SensorOptions, ShutterArgument};
 pub(crate) use sun::{Per, SidesArgument, SunArguments};
 pub(crate) use trace::TraceArguments;
 
@@ -37,6 +43,7 @@ Examples:
   rayflock render builtin:museum5 --frames 0..59 --size 800x600 -o museum/
   rayflock render builtin:cornell --spp 16 -o cornell.png
   rayflock sun house.glb --latitude 52.5 --longitude 13.4 --date 2024-06-21 --picture sun.png
+  rayflock sense builtin:crowd --at 2,1.4,0.6 -o scan.ply    a LiDAR among people who walk
   rayflock render scan/ --frames 0..9 -o scan.gif          a folder of meshes, one a frame
   rayflock convert fox.glb -o fox.npz                  triangles of each frame for NumPy
 
@@ -83,6 +90,8 @@ pub(crate) enum Command {
     Info(InfoArguments),
     /// Tell how many hours the sun shines on each face or vertex of a scene.
     Sun(Box<SunArguments>),
+    /// Sweep a scene with a LiDAR or a depth camera while it moves: points, ranges, intensities.
+    Sense(Box<SenseArguments>),
     /// Measure engines side by side.
     Bench(Box<BenchArguments>),
 }

@@ -9,6 +9,7 @@ mod args;
 mod commands;
 mod convert_plan;
 mod failure;
+mod false_color;
 mod frames;
 mod input;
 mod interrupt;

@@ -22,7 +22,7 @@ impl Progress {
         progress
     }
 
-    /// A bar for `step_count` steps of the sun.
+    /// A bar for `step_count` steps of something.
     pub(crate) fn of_steps(activity: &str, step_count: u64) -> Self {
         let template = "{msg} {wide_bar} {pos}/{len} steps, {per_sec}, {eta} left";
         Self::watched(template, activity, step_count)

@@ -61,7 +61,8 @@ impl Session {
             if record.ignored > 0 && !ignored_before {
                 ignored_before = true;
                 let name = &self.plan.input.name;
-                let text = ignored_text(name, frame, record.ignored, record.triangles);
+                let when = format!("frame {frame}");
+                let text = ignored_text(name, &when, record.ignored, record.triangles);
                 progress.say(format_args!("warning: {text}"));
             }
             if let Some(notice) = self.renderer.notice()
@@ -170,10 +171,10 @@ fn record(
     }
 }
 
-/// That `ignored` of `count` primitives of a frame do not count.
-pub(crate) fn ignored_text(input: &str, frame: u32, ignored: u64, count: u64) -> String {
+/// That `ignored` of `count` primitives do not count in the frame that `when` tells.
+pub(crate) fn ignored_text(input: &str, when: &str, ignored: u64, count: u64) -> String {
     format!(
-        "{input}: frame {frame}: {ignored} of {count} primitives are ignored, because they have no \
+        "{input}: {when}: {ignored} of {count} primitives are ignored, because they have no \
          area or a coordinate that is not finite"
     )
 }

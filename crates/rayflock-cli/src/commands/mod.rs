@@ -5,6 +5,7 @@ mod convert;
 mod demo;
 mod info;
 mod render;
+mod sense;
 mod sun;
 
 use anyhow::Context;
@@ -19,12 +20,14 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Demo(args) => args.threads,
         Command::Render(args) => args.threads,
         Command::Sun(args) => args.threads,
+        Command::Sense(args) => args.threads,
         Command::Convert(_) | Command::Info(_) => None,
         Command::Bench(args) => args.command.threads(),
     };
     let trace = match command {
         Command::Render(args) => args.trace.trace.as_deref(),
         Command::Sun(args) => args.trace.trace.as_deref(),
+        Command::Sense(args) => args.trace.trace.as_deref(),
         Command::Bench(args) => args.command.trace(),
         Command::Demo(_) | Command::Convert(_) | Command::Info(_) => None,
     };
@@ -39,6 +42,7 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Render(args) => render::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Sun(args) => sun::run(args),
+        Command::Sense(args) => sense::run(args),
         Command::Info(args) => info::run(args),
         Command::Bench(args) => bench::run(args),
     };

@@ -1,7 +1,5 @@
 //! `rayflock sun`: plan, hours, files, a picture and a summary.
 
-mod color_bar;
-mod color_scale;
 mod hours;
 mod measure;
 mod output;

@@ -1,4 +1,4 @@
-//! The bar beside a picture that tells which colour means how many hours.
+//! The bar beside a picture that tells which colour means how much.
 //!
 //! ```text
 //!  hours
@@ -12,12 +12,12 @@
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 use rayflock::render::Film;
 
-use super::color_scale::ColorScale;
+use super::ColorScale;
 
 /// Pixels that the bar takes, with its words, at the right of the picture.
-pub(super) const WIDTH: u32 = 112;
+pub(crate) const WIDTH: u32 = 112;
 /// The least height of a picture that has room for the words.
-pub(super) const LEAST_HEIGHT: u32 = 160;
+pub(crate) const LEAST_HEIGHT: u32 = 160;
 
 const FONT: RasterHeight = RasterHeight::Size16;
 const WEIGHT: FontWeight = FontWeight::Regular;
@@ -33,12 +33,12 @@ const TICK_PARTS: usize = 4;
 const INK: f32 = 0.02;
 
 /// Draws the bar into the rightmost [`WIDTH`] pixels of `film`.
-pub(super) fn draw(film: &mut Film, scale: &ColorScale, unit: &str) {
+pub(crate) fn draw(film: &mut Film, scale: &ColorScale, unit: &str) {
     let left = film.width().saturating_sub(WIDTH as usize) + MARGIN;
     let height = film.height().saturating_sub(BAR_TOP + MARGIN + FONT_HEIGHT / 2).max(2);
     let share_at = |row: usize| 1.0 - row as f64 / (height - 1) as f64;
     for row in 0..height {
-        let color = scale.linear(scale.hours_at(share_at(row)));
+        let color = scale.linear(scale.value_at(share_at(row)));
         for x in left..left + BAR_WIDTH {
             put(film, (x, BAR_TOP + row), color);
         }
@@ -53,16 +53,16 @@ pub(super) fn draw(film: &mut Film, scale: &ColorScale, unit: &str) {
         }
         let share = 1.0 - part as f64 / TICK_PARTS as f64;
         let top = (BAR_TOP + row).saturating_sub(FONT_HEIGHT / 2);
-        write(film, (label_left, top), &label(scale.hours_at(share)));
+        write(film, (label_left, top), &label(scale.value_at(share)));
     }
 }
 
-/// Hours in seven characters at most, up to a million.
-fn label(hours: f64) -> String {
-    match hours {
-        ..100.0 => format!("{hours:.2}"),
-        ..1000.0 => format!("{hours:.1}"),
-        _ => format!("{hours:.0}"),
+/// A number in seven characters at most, up to a million.
+fn label(value: f64) -> String {
+    match value {
+        ..100.0 => format!("{value:.2}"),
+        ..1000.0 => format!("{value:.1}"),
+        _ => format!("{value:.0}"),
     }
 }
 
@@ -103,8 +103,8 @@ mod tests {
     #[test]
     fn labels_fit_beside_the_bar() {
         let room = WIDTH as usize - MARGIN - BAR_WIDTH - TICK_WIDTH - 4;
-        for hours in [0.0, 9.994, 15.67, 99.999, 365.25, 999.99, 4383.0, 999_999.0] {
-            let text = label(hours);
+        for value in [0.0, 9.994, 15.67, 99.999, 365.25, 999.99, 4383.0, 999_999.0] {
+            let text = label(value);
             assert!(text.len() * get_raster_width(WEIGHT, FONT) <= room, "{text}");
         }
     }

@@ -8,6 +8,7 @@ mod errors;
 mod explain;
 mod formats;
 mod resume;
+mod sense;
 mod sequences;
 mod stats;
 mod sun;

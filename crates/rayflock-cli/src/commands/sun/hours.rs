@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rayflock::render::sun::{Sampling, SunStep, WorldMesh};
 
-use super::color_scale::ColorScale;
+use crate::false_color::ColorScale;
 
 /// What a study found.
 #[derive(Debug)]

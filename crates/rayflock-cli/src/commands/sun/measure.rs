@@ -54,7 +54,8 @@ impl<'a> Study<'a> {
         let (mesh, stats) = commit(plan, frame, &mut evaluator, &mut meter)?;
         let ignored = (stats.non_finite_count + stats.degenerate_count) as u64;
         if ignored > 0 {
-            let text = ignored_text(&plan.input.name, frame, ignored, stats.prim_count as u64);
+            let when = format!("frame {frame}");
+            let text = ignored_text(&plan.input.name, &when, ignored, stats.prim_count as u64);
             terminal::say(format_args!("warning: {text}"));
         }
         let samples = meter.samples();

@@ -8,9 +8,8 @@ use rayflock::render::sun::{Seen, SunMeter};
 use rayflock::render::tonemap::ToneMap;
 use rayflock::render::{Film, View};
 
-use super::color_bar;
-use super::color_scale::ColorScale;
 use super::hours::SunHours;
+use crate::false_color::{ColorScale, color_bar};
 use crate::output::{Look, PictureFormat, picture};
 use crate::plan::PlannedCamera;
 use crate::size::Size;

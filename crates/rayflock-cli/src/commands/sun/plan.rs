@@ -6,11 +6,11 @@ use rayflock::import::UpAxis;
 use rayflock::render::sun::{Bearings, Days, Place, Sampling, Sides, SunStep};
 use rayflock::scene::Evaluator;
 
-use super::color_bar;
 use super::output::OutputFile;
 use super::picture::PlannedPicture;
 use crate::args::{InputArguments, Per, SidesArgument, SunArguments};
 use crate::failure::{Blame, Failure};
+use crate::false_color::color_bar;
 use crate::frames::FrameRange;
 use crate::input::Input;
 use crate::output::atomic;
