@@ -10,6 +10,8 @@ use std::process::Command;
 
 use anyhow::{Context, Result, anyhow, ensure};
 
+use crate::tools;
+
 /// Also in `crates/rayflock-bench/src/peer/embree/library.rs`, which looks there.
 const VERSION: &str = "4.4.0.post1";
 /// Of the wheel for Linux on x86_64; the files of the library in all wheels are the same.
@@ -31,19 +33,13 @@ const OTHERWISE: &str = "EMBREE_LIB, or --embree-lib of the program, can say whe
 
 /// Fetches the library unless it is there, and says where it is.
 pub(crate) fn run(root: &Path) -> Result<()> {
-    let folder = target(root).join("embree").join(VERSION);
+    let folder = tools::target(root).join("embree").join(VERSION);
     if library_in(&folder).is_err() {
         fetch(&folder)
             .map_err(|error| anyhow!("Embree cannot be fetched: {error:#}; {OTHERWISE}"))?;
     }
     println!("Embree is at {}", library_in(&folder)?.display());
     Ok(())
-}
-
-/// The folder that cargo builds in.
-fn target(root: &Path) -> PathBuf {
-    let given = std::env::var_os("CARGO_TARGET_DIR").filter(|folder| !folder.is_empty());
-    given.map_or_else(|| root.join("target"), PathBuf::from)
 }
 
 fn library_in(folder: &Path) -> Result<PathBuf> {

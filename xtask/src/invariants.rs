@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 /// Which of our crates each of them may depend on.
-const ALLOWED: [(&str, &[&str]); 11] = [
+const ALLOWED: [(&str, &[&str]); 12] = [
     ("rayflock-geom", &[]),
     ("rayflock-scene", &["rayflock-geom"]),
     ("rayflock-engine", &["rayflock-geom"]),
@@ -38,6 +38,7 @@ const ALLOWED: [(&str, &[&str]); 11] = [
     ),
     ("rayflock-bench", &["rayflock", "rayflock-oracle"]),
     ("rayflock-cli", &["rayflock", "rayflock-bench"]),
+    ("rayflock-python", &["rayflock"]),
     ("xtask", &[]),
 ];
 

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`mod@test`] | runs every check in order; what CI runs |
 //! | [`embree`] | fetches the library that benchmarks compare with |
+//! | [`python`] | makes the Python with which the package is tested |
 //! | [`perf_check`] | counts instructions and compares them with the committed baseline |
 //! | [`invariants`] | checks the rules of `docs/architecture.md` that the compiler does not |
 //! | [`tools`] | finds or installs programs that some tests want |
@@ -12,6 +13,7 @@
 mod embree;
 mod invariants;
 mod perf_check;
+mod python;
 mod test;
 mod tools;
 
@@ -25,6 +27,7 @@ usage: cargo xtask COMMAND
 
 commands:
   embree  fetch the library Embree, which benchmarks and some tests want
+  python  make the Python with which the package rayflock is tested
   test    format, lints, all tests, documentation and the invariants: what CI runs
   perf-check [--update]
           count the instructions of kernels and engines under valgrind; fails when one grew by more
@@ -34,6 +37,7 @@ fn main() -> ExitCode {
     let arguments: Vec<_> = std::env::args().skip(1).collect();
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["embree"] => embree::run(root()),
+        ["python"] => python::run(root()),
         ["perf-check"] => perf_check::run(root(), Mode::Compare),
         ["perf-check", "--update"] => perf_check::run(root(), Mode::Update),
         ["test"] => test::run(root()),
