@@ -105,7 +105,7 @@ mod tests {
             GeometryObject::new(ObjectId(0), triangle(1.0)),
             GeometryObject::new(ObjectId(3), triangle(1.0)).with_transform(turned),
             GeometryObject::new(ObjectId(5), ball).with_transform(at(8.0)),
-            GeometryObject::new(ObjectId(7), triangle(1e-30)).with_transform(at(-4.0)),
+            GeometryObject::new(ObjectId(7), triangle(1e-30)),
         ]);
         let geometry = geometry.unwrap();
         let mut engine = create(EngineKind::Brute);
