@@ -6,16 +6,16 @@
 //!
 //! | Part | What it does |
 //! |---|---|
-//! | [`scene`] | the class `Scene`: what can be hit, questions about it |
-//! | [`world`] | what such a scene holds: objects, engines and the frame they know |
-//! | [`question`], [`answer`], [`arrays`] | NumPy arrays as columns of rays and hits, in place |
-//! | [`hit_arrays`] | lists of hits as NumPy arrays |
-//! | [`meshes`] | the rows of arrays as meshes |
-//! | [`source`] | files that move objects |
-//! | [`picture`] | pictures of scenes |
-//! | [`errors`] | which exception tells of what |
-//! | [`pool`] | threads that survive a fork |
-//! | [`stats`] | what a scene tells about itself |
+//! | `scene` | the class `Scene`: what can be hit, questions about it |
+//! | `world` | what such a scene holds: objects, engines and the frame they know |
+//! | `question`, `answer`, `arrays` | NumPy arrays as columns of rays and hits, in place |
+//! | `hit_arrays` | lists of hits as NumPy arrays |
+//! | `meshes` | the rows of arrays as meshes |
+//! | `source` | files that move objects |
+//! | `picture` | pictures of scenes |
+//! | `errors` | which exception tells of what |
+//! | `pool` | threads that survive a fork |
+//! | `stats` | what a scene tells about itself |
 //!
 //! **Threads.** A scene is shared by all Python threads. It lies behind one lock, which is taken
 //! only after the interpreter lock is released, so that no thread waits for one while it holds the
