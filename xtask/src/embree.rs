@@ -10,6 +10,9 @@ use std::process::Command;
 
 use anyhow::{Context, Result, anyhow, ensure};
 
+use crate::tools;
+use crate::venv::finish;
+
 /// Also in `crates/rayflock-bench/src/peer/embree/library.rs`, which looks there.
 const VERSION: &str = "4.4.0.post1";
 /// Of the wheel for Linux on x86_64; the files of the library in all wheels are the same.
@@ -31,19 +34,13 @@ const OTHERWISE: &str = "EMBREE_LIB, or --embree-lib of the program, can say whe
 
 /// Fetches the library unless it is there, and says where it is.
 pub(crate) fn run(root: &Path) -> Result<()> {
-    let folder = target(root).join("embree").join(VERSION);
+    let folder = tools::target(root).join("embree").join(VERSION);
     if library_in(&folder).is_err() {
         fetch(&folder)
             .map_err(|error| anyhow!("Embree cannot be fetched: {error:#}; {OTHERWISE}"))?;
     }
     println!("Embree is at {}", library_in(&folder)?.display());
     Ok(())
-}
-
-/// The folder that cargo builds in.
-pub(crate) fn target(root: &Path) -> PathBuf {
-    let given = std::env::var_os("CARGO_TARGET_DIR").filter(|folder| !folder.is_empty());
-    given.map_or_else(|| root.join("target"), PathBuf::from)
 }
 
 fn library_in(folder: &Path) -> Result<PathBuf> {
@@ -97,12 +94,4 @@ fn python(words: &[&str]) -> Command {
     let mut command = Command::new("python3");
     command.arg("-m").args(words);
     command
-}
-
-/// Runs a command of Python to its end.
-pub(crate) fn finish(mut command: Command, failure: &str) -> Result<()> {
-    let output = command.output().context("cannot run python3; install Python 3 with pip")?;
-    let words = String::from_utf8_lossy(&output.stderr);
-    ensure!(output.status.success(), "{failure}: {}", words.trim());
-    Ok(())
 }

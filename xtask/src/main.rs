@@ -4,9 +4,11 @@
 //! |---|---|
 //! | [`mod@test`] | runs every check in order; what CI runs |
 //! | [`embree`] | fetches the library that benchmarks compare with |
+//! | [`python`] | makes the Python with which the package is tested |
 //! | [`perf_check`] | counts instructions and compares them with the committed baseline |
 //! | [`invariants`] | checks the rules of `docs/architecture.md` that the compiler does not |
 //! | [`convert_tools`] | tests the converter of USD and Alembic files |
+//! | [`venv`] | virtual environments of Python |
 //! | [`tools`] | finds or installs programs that some tests want |
 #![forbid(unsafe_code)]
 
@@ -14,8 +16,10 @@ mod convert_tools;
 mod embree;
 mod invariants;
 mod perf_check;
+mod python;
 mod test;
 mod tools;
+mod venv;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -27,6 +31,7 @@ usage: cargo xtask COMMAND
 
 commands:
   embree  fetch the library Embree, which benchmarks and some tests want
+  python  make the Python with which the package rayflock is tested
   test    format, lints, all tests, documentation and the invariants: what CI runs
   perf-check [--update]
           count the instructions of kernels and engines under valgrind; fails when one grew by more
@@ -36,6 +41,7 @@ fn main() -> ExitCode {
     let arguments: Vec<_> = std::env::args().skip(1).collect();
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["embree"] => embree::run(root()),
+        ["python"] => python::run(root()),
         ["perf-check"] => perf_check::run(root(), Mode::Compare),
         ["perf-check", "--update"] => perf_check::run(root(), Mode::Update),
         ["test"] => test::run(root()),

@@ -36,6 +36,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     let start = Instant::now();
     tools::want_ffmpeg();
     tools::want_embree(root);
+    tools::want_python(root);
     say_where_real_scenes_are(root);
     println!("== invariants");
     invariants::check(root)?;

@@ -1,12 +1,12 @@
 //! Programs that some checks want. The tests need nothing but cargo: one that misses a program says
 //! so and passes.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Result, bail};
 
-use crate::embree;
+use crate::{embree, python};
 
 /// Installs ffmpeg where it is missing and can be had without asking: as root, with apt-get.
 /// Without it, the test that writes an MP4 is skipped.
@@ -54,6 +54,20 @@ pub(crate) fn want_embree(root: &Path) {
             }
         }
     }
+}
+
+/// Makes the Python with which the package is tested. Without it, those tests are skipped.
+pub(crate) fn want_python(root: &Path) {
+    println!("== tools: cargo xtask python");
+    if let Err(error) = python::run(root) {
+        println!("== tools: tests of the Python package will be skipped: {error:#}");
+    }
+}
+
+/// The folder that cargo builds in.
+pub(crate) fn target(root: &Path) -> PathBuf {
+    let given = std::env::var_os("CARGO_TARGET_DIR").filter(|folder| !folder.is_empty());
+    given.map_or_else(|| root.join("target"), PathBuf::from)
 }
 
 fn is_root() -> bool {

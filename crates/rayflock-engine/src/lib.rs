@@ -9,6 +9,9 @@
 //! | [`subfields`] | a grid of primitives for each direction, brought up to date when a ray wants it | very many rays share a direction |
 //! | [`auto`] | asks whichever of the others is expected to answer soonest | you have no reason to choose |
 //!
+//! [`list_hits`] lists all hits of each ray with any of them, [`hit_normals`] tells which way what
+//! was hit faces.
+//!
 //! Read them in this order: [`RayEngine`] (the question), [`brute`] (the definition of the
 //! answer), [`hierarchy`] (the idea) and its stages in the order of their list.
 //!
@@ -41,6 +44,8 @@ pub mod brute;
 pub mod bvh;
 mod engine;
 pub mod hierarchy;
+mod hit_list;
+mod normals;
 mod packet;
 mod parts;
 mod primitives;
@@ -51,6 +56,8 @@ mod triangle_leaf;
 mod wanted;
 
 pub use engine::{CommitStats, EngineError, EngineKind, Fact, RayEngine, TraceStats};
+pub use hit_list::{HitList, list_hits};
+pub use normals::{HitColumns, hit_normals};
 
 /// Makes an engine with its default settings and an empty frame.
 pub fn create(kind: EngineKind) -> Box<dyn RayEngine> {

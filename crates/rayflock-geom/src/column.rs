@@ -133,6 +133,22 @@ impl<'a, T: ColumnElement> Column<'a, T> {
         }
     }
 
+    /// The column as a uniform one where all rays have the same value, to the bit.
+    ///
+    /// An array of rays does not say that they share an origin or a direction; whoever hands one
+    /// on can look. Ends at the first value that differs.
+    pub fn unified(self) -> Self {
+        let Self::PerRay { values, stride } = self else { return self };
+        let Some(first) = values.get(..T::WIDTH) else { return self };
+        let bytes =
+            |value: &'a [T::Scalar]| -> &'a [u8] { bytemuck::cast_slice(&value[..T::WIDTH]) };
+        let is_first = |value| bytes(value) == bytes(first);
+        let len = self.len().unwrap_or_default();
+        let last = &values[(len - 1) * stride..];
+        let mut whole = values[..(len - 1) * stride].chunks_exact(stride);
+        if whole.all(is_first) && is_first(last) { Self::Uniform(T::load(first)) } else { self }
+    }
+
     /// The value of ray `ray_idx`.
     ///
     /// # Panics
@@ -284,6 +300,19 @@ mod tests {
         assert_eq!(column.lanes(10)[9..], [19; 7]);
         assert_eq!(Column::from(2.5_f32).lanes(7), [2.5; LANES]);
         assert_eq!(Column::from(Vec3::Y).lanes(7)[1], [1.0; LANES]);
+    }
+
+    #[test]
+    fn a_column_of_one_value_becomes_uniform_and_no_other() {
+        let rays = [[1.0, 2.0, 3.0, 0.0, 0.0, 1.0], [1.0, 2.0, 3.0, 0.0, -0.0, 1.0]];
+        let scalars = rays.as_flattened();
+        let origins = Column::<Vec3>::strided(scalars, 6).unified();
+        assert_eq!(origins.uniform(), Some(Vec3::new(1.0, 2.0, 3.0)));
+        // Zeros of both signs compare equal, but are not the same.
+        assert_eq!(Column::<Vec3>::strided(&scalars[3..], 6).unified().uniform(), None);
+        assert_eq!(Column::from(&[f32::NAN; 3][..]).unified().len(), None);
+        assert_eq!(Column::from(&[0.0, 0.0, 1.0][..]).unified().len(), Some(3));
+        assert_eq!(Column::from(&[] as &[f32]).unified().len(), Some(0));
     }
 
     #[test]
