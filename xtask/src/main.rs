@@ -5,6 +5,7 @@
 //! | [`mod@test`] | runs every check in order; what CI runs |
 //! | [`embree`] | fetches the library that benchmarks compare with |
 //! | [`python`] | makes the Python with which the package is tested |
+//! | [`fuzz`] | looks for files that break the parsers |
 //! | [`perf_check`] | counts instructions and compares them with the committed baseline |
 //! | [`invariants`] | checks the rules of `docs/architecture.md` that the compiler does not |
 //! | [`convert_tools`] | tests the converter of USD and Alembic files |
@@ -14,6 +15,7 @@
 
 mod convert_tools;
 mod embree;
+mod fuzz;
 mod invariants;
 mod perf_check;
 mod python;
@@ -32,6 +34,8 @@ usage: cargo xtask COMMAND
 commands:
   embree  fetch the library Embree, which benchmarks and some tests want
   python  make the Python with which the package rayflock is tested
+  fuzz [--minutes N] [TARGET]...
+          have libFuzzer look for files that break the parsers, for a minute each or for N
   test    format, lints, all tests, documentation and the invariants: what CI runs
   perf-check [--update]
           count the instructions of kernels and engines under valgrind; fails when one grew by more
@@ -42,6 +46,7 @@ fn main() -> ExitCode {
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["embree"] => embree::run(root()),
         ["python"] => python::run(root()),
+        ["fuzz", ref words @ ..] => fuzz::run(root(), words),
         ["perf-check"] => perf_check::run(root(), Mode::Compare),
         ["perf-check", "--update"] => perf_check::run(root(), Mode::Update),
         ["test"] => test::run(root()),

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 
-use crate::{convert_tools, invariants, tools};
+use crate::{convert_tools, fuzz, invariants, tools};
 
 /// A call of cargo and what it is for. Lints and documentation share their builds of the
 /// dependencies; tests need another one, because they are optimised.
@@ -44,6 +44,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
         run_step(root, step)?;
     }
     convert_tools::test(root)?;
+    fuzz::test(root)?;
     println!("== all checks passed in {} s", start.elapsed().as_secs());
     Ok(())
 }

@@ -16,6 +16,12 @@ pub(crate) fn want_ffmpeg() {
     }
 }
 
+/// Finds a C++ compiler, or installs one as [`want_ffmpeg`] does; tells whether there is one.
+pub(crate) fn want_cxx() -> bool {
+    let is_there = || succeeds("c++", &["--version"]);
+    is_there() || (can_install() && install("g++") && is_there())
+}
+
 /// Finds valgrind, or installs it as [`want_ffmpeg`] does.
 ///
 /// # Errors

@@ -11,8 +11,9 @@ use flate2::read::MultiGzDecoder;
 
 use crate::ImportError;
 
-/// Output that any input may have: 64 MiB.
-const BASE_LIMIT: u64 = 64 << 20;
+/// Output that any input may have: 8 MiB. What unfolds to more than that and a hundred times itself
+/// is no mesh, and reading it would take many times its size.
+const BASE_LIMIT: u64 = 8 << 20;
 /// Output bytes for each input byte.
 const RATIO_LIMIT: u64 = 100;
 /// Output that no input may exceed: 4 GiB.

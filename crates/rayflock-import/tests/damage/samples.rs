@@ -1,21 +1,15 @@
-//! Damaged files of every format give an error or a scene that makes frames, never a panic, and
-//! soon.
+//! A small, sound file of each kind, with most of what its format has.
 
 use std::io::{Cursor, Write};
 use std::path::Path;
-use std::sync::Arc;
-use std::time::{Duration, Instant};
 
-use proptest::prelude::*;
-use rayflock_import::{Reporter, load};
-use rayflock_scene::{Evaluator, Scene};
+use zip::CompressionMethod;
+use zip::write::{SimpleFileOptions, ZipWriter};
 
-/// Longest time that a file of a few kilobytes may take.
-const PATIENCE: Duration = Duration::from_secs(5);
-
-const OBJ: &[u8] = b"mtllib a.mtl\no a\nv 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nvt 0 1\nvn 0 0 1\n\
+pub(crate) const OBJ: &[u8] =
+    b"mtllib a.mtl\no a\nv 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nvt 0 1\nvn 0 0 1\n\
     usemtl m\nf 1/1/1 2/1/1 3//1\ng b\nf -1 -2 -3\ns off\nl 1 2\n";
-const MTL: &[u8] =
+pub(crate) const MTL: &[u8] =
     b"newmtl m\nKd 1 1 1\nKs 0.5\nNs 10\nNi 1.5\nd 0.5\nillum 7\nmap_Kd -s 1 1 1 a.png\n";
 const PLY_ASCII: &[u8] = b"ply\nformat ascii 1.0\ncomment c\nelement vertex 3\n\
     property float x\nproperty float y\nproperty float z\nproperty uchar red\n\
@@ -74,7 +68,7 @@ fn vtp() -> Vec<u8> {
 }
 
 /// An array as NumPy writes it.
-fn npy(kind: &str, shape: &str, bytes: &[u8]) -> Vec<u8> {
+pub(crate) fn npy(kind: &str, shape: &str, bytes: &[u8]) -> Vec<u8> {
     let mut text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
     while (10 + text.len()) % 16 != 15 {
         text.push(' ');
@@ -84,7 +78,7 @@ fn npy(kind: &str, shape: &str, bytes: &[u8]) -> Vec<u8> {
 }
 
 /// The arrays of two frames of a triangle, of which the second has a sphere too.
-fn arrays() -> [(&'static str, Vec<u8>); 6] {
+pub(crate) fn arrays() -> [(&'static str, Vec<u8>); 6] {
     let floats = |count: usize| 0.5_f32.to_le_bytes().repeat(count);
     let offsets = [0_i64, 3, 6].map(i64::to_le_bytes).concat();
     [
@@ -97,10 +91,11 @@ fn arrays() -> [(&'static str, Vec<u8>); 6] {
     ]
 }
 
-fn npz(arrays: &[(&str, Vec<u8>)]) -> Vec<u8> {
-    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+/// The arrays as a file.
+pub(crate) fn npz(arrays: &[(&str, Vec<u8>)], method: CompressionMethod) -> Vec<u8> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    let options = SimpleFileOptions::default().compression_method(method);
     for (name, bytes) in arrays {
-        let options = zip::write::SimpleFileOptions::default();
         zip.start_file(format!("{name}.npy"), options).expect("a file in memory");
         zip.write_all(bytes).expect("a file in memory");
     }
@@ -197,11 +192,15 @@ fn glb() -> Vec<u8> {
     bytes
 }
 
-/// Number of [`samples`].
-const SAMPLE_COUNT: usize = 14;
+/// A compressed file.
+pub(crate) fn gz(content: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    encoder.write_all(content).expect("a file in memory");
+    encoder.finish().expect("a file in memory")
+}
 
 /// A valid file of each kind: the name to load and its content.
-fn samples() -> Vec<(&'static str, Vec<u8>)> {
+pub(crate) fn samples() -> Vec<(&'static str, Vec<u8>)> {
     vec![
         ("a.obj", OBJ.to_vec()),
         ("a.ply", PLY_ASCII.to_vec()),
@@ -214,171 +213,16 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
         ("a.vtk", VTK_ASCII.to_vec()),
         ("a.vtk", VTK_BINARY.to_vec()),
         ("a.vtp", vtp()),
-        ("a.npz", npz(&arrays())),
+        ("a.npz", npz(&arrays(), CompressionMethod::Deflated)),
         ("b.pc2", pc2()),
         ("b.mdd", mdd()),
+        ("a.stl.gz", gz(&stl_binary())),
     ]
 }
 
 /// The files that samples name.
-fn write_neighbours(folder: &Path) {
+pub(crate) fn write_neighbours(folder: &Path) {
     for (name, bytes) in [("a.mtl", MTL), ("b.aff", AFF_INCLUDED), ("b.obj", CACHED_OBJ)] {
         std::fs::write(folder.join(name), bytes).expect("the new folder is writable");
-    }
-}
-
-/// Loads a file, and its frames if it has any; gives the number of objects.
-fn load_in(folder: &Path, name: &str, bytes: &[u8]) -> Result<usize, String> {
-    std::fs::write(folder.join(name), bytes).expect("the new folder is writable");
-    let start = Instant::now();
-    let loaded = load(&folder.join(name), &mut Reporter::new()).map_err(|error| error.to_string());
-    let shown = loaded.and_then(show_frames);
-    assert!(start.elapsed() < PATIENCE, "{name} took {:?}", start.elapsed());
-    shown
-}
-
-/// Evaluates the first frames of a source that has frames.
-fn show_frames(scene: Scene) -> Result<usize, String> {
-    let (object_count, frame_count) = (scene.objects.len(), scene.frame_count.unwrap_or(0));
-    let rate = scene.default_frame_rate();
-    let error = |error: rayflock_scene::SceneError| error.to_string();
-    let mut evaluator = Evaluator::new(Arc::new(scene), None).map_err(error)?;
-    for frame in 0..frame_count.min(3) {
-        evaluator.evaluate(frame as f64 / rate).map_err(error)?;
-    }
-    Ok(object_count)
-}
-
-/// A change to a file.
-#[derive(Clone, Debug)]
-enum Damage {
-    Cut(prop::sample::Index),
-    Byte(prop::sample::Index, u8),
-    Remove(prop::sample::Index, usize),
-    /// A number in place of one of the digits of the text.
-    Number(prop::sample::Index, &'static str),
-}
-
-fn damage() -> impl Strategy<Value = Damage> {
-    let numbers = ["-1", "0", "4294967295", "4294967296", "99999999999999999999", "1e39", "nan"];
-    prop_oneof![
-        1 => any::<prop::sample::Index>().prop_map(Damage::Cut),
-        4 => (any::<prop::sample::Index>(), any::<u8>()).prop_map(|(at, b)| Damage::Byte(at, b)),
-        2 => (any::<prop::sample::Index>(), 1..40_usize).prop_map(|(at, n)| Damage::Remove(at, n)),
-        4 => (any::<prop::sample::Index>(), prop::sample::select(numbers.to_vec()))
-            .prop_map(|(at, number)| Damage::Number(at, number)),
-    ]
-}
-
-fn apply(bytes: &mut Vec<u8>, damage: &Damage) {
-    if bytes.is_empty() {
-        return;
-    }
-    match damage {
-        Damage::Cut(at) => bytes.truncate(at.index(bytes.len())),
-        Damage::Byte(at, byte) => {
-            let at = at.index(bytes.len());
-            bytes[at] = *byte;
-        }
-        Damage::Remove(at, count) => {
-            let at = at.index(bytes.len());
-            bytes.drain(at..(at + count).min(bytes.len()));
-        }
-        Damage::Number(at, number) => {
-            let digits: Vec<usize> =
-                (0..bytes.len()).filter(|&at| bytes[at].is_ascii_digit()).collect();
-            if !digits.is_empty() {
-                let at = digits[at.index(digits.len())];
-                bytes.splice(at..at + 1, number.bytes());
-            }
-        }
-    }
-}
-
-#[test]
-fn the_samples_are_sound() {
-    let folder = tempfile::tempdir().unwrap();
-    write_neighbours(folder.path());
-    assert_eq!(samples().len(), SAMPLE_COUNT);
-    for (name, bytes) in samples() {
-        let loaded = load_in(folder.path(), name, &bytes);
-        assert!(loaded.as_ref().is_ok_and(|count| *count > 0), "{name}: {loaded:?}");
-    }
-}
-
-#[test]
-fn every_beginning_of_a_file_is_survived() {
-    let folder = tempfile::tempdir().unwrap();
-    write_neighbours(folder.path());
-    for (name, bytes) in samples() {
-        for length in 0..bytes.len() {
-            let _ = load_in(folder.path(), name, &bytes[..length]);
-        }
-    }
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
-
-    #[test]
-    fn damaged_files_are_survived(
-        sample_idx in 0..SAMPLE_COUNT,
-        damages in prop::collection::vec(damage(), 1..6),
-    ) {
-        let folder = tempfile::tempdir().unwrap();
-        let (name, mut bytes) = samples().swap_remove(sample_idx);
-        damages.iter().for_each(|damage| apply(&mut bytes, damage));
-        write_neighbours(folder.path());
-        let _ = load_in(folder.path(), name, &bytes);
-    }
-
-    #[test]
-    fn damaged_mtl_files_are_survived(damages in prop::collection::vec(damage(), 1..6)) {
-        let folder = tempfile::tempdir().unwrap();
-        let mut bytes = MTL.to_vec();
-        damages.iter().for_each(|damage| apply(&mut bytes, damage));
-        std::fs::write(folder.path().join("a.mtl"), bytes).unwrap();
-        prop_assert!(load_in(folder.path(), "a.obj", OBJ).is_ok());
-    }
-
-    #[test]
-    fn garbage_is_survived(name in 0..SAMPLE_COUNT, bytes in prop::collection::vec(any::<u8>(), 0..500)) {
-        let folder = tempfile::tempdir().unwrap();
-        write_neighbours(folder.path());
-        let _ = load_in(folder.path(), samples()[name].0, &bytes);
-    }
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
-
-    /// Damage that the checksums of a zip file would find.
-    #[test]
-    fn damaged_arrays_are_survived(
-        array_idx in 0..6_usize,
-        damages in prop::collection::vec(damage(), 1..6),
-    ) {
-        let folder = tempfile::tempdir().unwrap();
-        let mut arrays = arrays();
-        damages.iter().for_each(|damage| apply(&mut arrays[array_idx].1, damage));
-        let _ = load_in(folder.path(), "a.npz", &npz(&arrays));
-    }
-
-    #[test]
-    fn damaged_frames_are_survived(
-        sample_idx in 0..SAMPLE_COUNT,
-        damages in prop::collection::vec(damage(), 1..6),
-    ) {
-        let (name, mut bytes) = samples().swap_remove(sample_idx);
-        let extension = &name[2..];
-        if ["obj", "ply", "stl", "vtk", "vtp"].contains(&extension) {
-            let folder = tempfile::tempdir().unwrap();
-            std::fs::write(folder.path().join("1").with_extension(extension), &bytes).unwrap();
-            damages.iter().for_each(|damage| apply(&mut bytes, damage));
-            std::fs::write(folder.path().join("2").with_extension(extension), &bytes).unwrap();
-            let scene = load(folder.path(), &mut Reporter::new()).unwrap();
-            prop_assert_eq!(scene.frame_count, Some(2));
-            let _ = show_frames(scene);
-        }
     }
 }

@@ -1,0 +1,6 @@
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(
+    init: rayflock_fuzz::write_seeds("vtk"),
+    |bytes: &[u8]| rayflock_fuzz::ask("vtk", bytes)
+);
