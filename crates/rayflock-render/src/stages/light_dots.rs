@@ -11,7 +11,8 @@ use crate::{Film, View};
 /// How far the picture is dimmed.
 const DIMMED: f32 = 0.25;
 
-/// Dims `film` and adds a dot of three pixels a side for each light that `view` sees.
+/// Dims `film` and adds a dot of three pixels a side for each light that `view` sees; lights of
+/// nothing but a highlight have no colour of their own, and no dot.
 pub(crate) fn light_dots(
     engine: &mut dyn RayEngine,
     lights: &VirtualLights,
@@ -34,6 +35,7 @@ pub(crate) fn light_dots(
         let color = *intensity / intensity.max_element().max(f32::MIN_POSITIVE);
         if let Some((x, y)) = pixel(view, *position, film)
             && !hidden
+            && color != Vec3::ZERO
         {
             draw(film, x, y, color);
         }
