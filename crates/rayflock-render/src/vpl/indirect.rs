@@ -40,6 +40,11 @@ impl IndirectLight {
         self.made_of = None;
     }
 
+    /// The lights.
+    pub(crate) const fn lights(&self) -> &VirtualLights {
+        &self.lights
+    }
+
     /// Shoots virtual lights, unless those of the last picture are still right.
     pub(crate) fn shoot(
         &mut self,
