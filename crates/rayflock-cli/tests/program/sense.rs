@@ -45,7 +45,7 @@ fn every_format_tells_the_same_points() {
     let outputs = "-o a.csv -o a.npz -o a.ply -o a.pcd --picture a.png";
     let run = work.run_quietly(&format!("{DEPTH} {outputs}"));
     assert_eq!(work.names(), ["a.csv", "a.npz", "a.pcd", "a.ply", "a.png", "room.obj"]);
-    assert_eq!(line(&run.stdout, "points"), "1200 of 1200 beams");
+    assert_eq!(line(&run.stdout, "points"), "1200 from 1200 beams");
     assert_eq!(line(&run.stdout, "sensor"), "depth, 30 rows x 40 columns");
     assert_eq!(line(&run.stdout, "time"), "1 sweep from 0.000 s on at 30 Hz, 1 time step each");
 
@@ -166,6 +166,7 @@ fn wrong_arguments_say_what_is_expected() {
         ("--elevations 95", ["95", "-90 to 90"]),
         ("--elevations up", ["up", "15..-25"]),
         ("--columns 99999999", ["number of beams", "16777216"]),
+        ("--rows 16777216 --columns 2 --picture x.png", ["beams is 33554432", "16777216"]),
         ("--rate 0", ["rate is 0", "sweeps a second"]),
         ("--time-steps 1025", ["time steps is 1025", "1 to 1024"]),
         ("--min-range 5 --max-range 4", ["most range is 4", "least, 5"]),
@@ -196,8 +197,8 @@ fn other_sensors_find_their_place() {
     for (sensor, points) in [
         // On a camera that frames everything.
         ("ortho --size 20x20", "points"),
-        ("rosette --beams 500 --at 0,0,0", "500 of 500 beams"),
-        ("solid-state --size 20x10 --at 0,0,0", "200 of 200 beams"),
+        ("rosette --beams 500 --at 0,0,0", "500 from 500 beams"),
+        ("solid-state --size 20x10 --at 0,0,0", "200 from 200 beams"),
     ] {
         let words = format!("sense room.obj --sensor {sensor} --picture a.png --show intensity");
         let run = work.run_quietly(&words);

@@ -7,7 +7,7 @@ use rayflock::render::sensor::{
 
 use crate::args::{Elevations, Field, Measures, Numbers, SensorOptions, ShutterArgument};
 
-/// The most rows that are spread evenly: more than any pattern may have.
+/// The most rows that are spread evenly: the beams that a pattern may have.
 const MAX_ROWS: u32 = 1 << 24;
 
 /// What the scene says where neither preset nor options do.

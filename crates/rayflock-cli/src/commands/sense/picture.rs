@@ -146,7 +146,9 @@ fn usual_size(pattern: &Pattern) -> Size {
         false => across,
     };
     Size {
-        width: (columns * across).clamp(color_bar::WIDTH, Size::MAX_EDGE - color_bar::WIDTH),
-        height: (rows * down).clamp(color_bar::LEAST_HEIGHT, Size::MAX_EDGE),
+        width: columns
+            .saturating_mul(across)
+            .clamp(color_bar::WIDTH, Size::MAX_EDGE - color_bar::WIDTH),
+        height: rows.saturating_mul(down).clamp(color_bar::LEAST_HEIGHT, Size::MAX_EDGE),
     }
 }

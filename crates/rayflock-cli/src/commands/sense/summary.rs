@@ -48,7 +48,7 @@ fn time(plan: &SensePlan, effort: &Effort) -> String {
 
 fn points(plan: &SensePlan, effort: &Effort) -> String {
     let beams = effort.beam_count as u64 * plan.sweeps.count();
-    format!("{} of {beams} beams", effort.point_count)
+    format!("{} from {beams} beams", effort.point_count)
 }
 
 fn took(effort: &Effort) -> String {
