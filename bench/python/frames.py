@@ -6,8 +6,8 @@ Each frame has new vertices for all triangles, which are handed over, and a batc
 are traced. The libraries take turns, frame by frame; what is told are medians.
 
 Rayflock gets one update. Open3D and embreex cannot update, so they get a new scene each frame,
-which is what their users do. Open3D is asked by cast_rays, as Rayflock is; embreex is asked for triangles
-alone, which is its fastest answer. Answers are compared: which triangle, for every ray.
+which is what their users do. Open3D is asked by cast_rays, as Rayflock is; embreex is asked for
+triangles alone, which is its fastest answer. Answers are compared: which triangle, for every ray.
 
 What a call costs besides the engine's work, which the compiled part measures itself, is told too.
 """
