@@ -2,12 +2,12 @@
 
     python bench/python/frames.py [--triangles 100000] [--rays 65536] [--kind camera] [--frames 30]
 
-Each frame has new vertices for all triangles, which are handed over, and a batch of rays, which are
-traced. The libraries take turns, frame by frame; what is told are medians.
+Each frame has new vertices for all triangles, which are handed over, and a batch of rays, which
+are traced. The libraries take turns, frame by frame; what is told are medians.
 
-Rayflock gets one update. Open3D and embreex cannot update, so they get a new scene each frame, which
-is what their users do. Open3D is asked by cast_rays, as Rayflock is; embreex is asked for triangles
-alone, which is its fastest answer. Answers are compared: which triangle, for every ray.
+Rayflock gets one update. Open3D and embreex cannot update, so they get a new scene each frame,
+which is what their users do. Open3D is asked by cast_rays, as Rayflock is; embreex is asked for
+triangles alone, which is its fastest answer. Answers are compared: which triangle, for every ray.
 
 What a call costs besides the engine's work, which the compiled part measures itself, is told too.
 """
@@ -19,7 +19,6 @@ import statistics
 import time
 
 import numpy as np
-
 import rayflock
 
 
@@ -164,14 +163,18 @@ def main():
 
 
 def report(args, sides, times, differing, triangle_count, ray_count, warm_up):
-    print(f"{triangle_count} triangles, {ray_count} rays ({args.kind}), {args.frames} frames, "
-          f"{os.cpu_count()} cores, {platform.machine()}")
+    print(
+        f"{triangle_count} triangles, {ray_count} rays ({args.kind}), {args.frames} frames, "
+        f"{os.cpu_count()} cores, {platform.machine()}"
+    )
     ours = times[Rayflock.name]
     for name, took in times.items():
         ratio = statistics.median(b / a for a, b in zip(ours, took, strict=True))
-        print(f"{name:>10}: {statistics.median(took) * 1e3:8.2f} ms a frame, "
-              f"{ratio:6.2f} x rayflock; at most {differing[name]} rays of a frame "
-              "name another triangle")
+        print(
+            f"{name:>10}: {statistics.median(took) * 1e3:8.2f} ms a frame, "
+            f"{ratio:6.2f} x rayflock; at most {differing[name]} rays of a frame "
+            "name another triangle"
+        )
     overhead = statistics.median(sides[0].overheads[warm_up:])
     print(f"cast_rays takes {overhead:.1%} longer than what the engine does in it")
 

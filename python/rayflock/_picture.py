@@ -84,7 +84,10 @@ def render(
         raise TypeError("give both eye and center, or neither")
     if camera is not None and eye is not None:
         raise TypeError("give either a camera, or eye and center, not both")
-    size = {"width": _count(width, "width", 1, 1 << 16), "height": _count(height, "height", 1, 1 << 16)}
+    size = {
+        "width": _count(width, "width", 1, 1 << 16),
+        "height": _count(height, "height", 1, 1 << 16),
+    }
     question: dict[str, Any] = {
         **size,
         "camera": camera,
@@ -110,7 +113,9 @@ def _view(
         return {"eye": None, "center": None, "up": None, "fov_deg": None}
     if not 0.0 < fov_deg < 180.0:
         raise ValueError(f"fov_deg must lie between 0 and 180 degrees, found {fov_deg}")
-    view = {name: _triple(value, name) for name, value in (("eye", eye), ("center", center), ("up", up))}
+    view = {
+        name: _triple(value, name) for name, value in (("eye", eye), ("center", center), ("up", up))
+    }
     ahead = np.subtract(view["center"], view["eye"])
     if not np.linalg.norm(np.cross(ahead, view["up"])) > 0.0:
         raise ValueError("up must not be parallel to the direction from eye to center")

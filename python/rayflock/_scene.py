@@ -113,9 +113,7 @@ class Scene:
         radii = _radii(radii, len(centers))
         return self._native.add_spheres(centers, radii, _one_mask(mask), bool(static))
 
-    def update_spheres(
-        self, id: int, centers: ArrayLike, radii: ArrayLike | None = None
-    ) -> None:
+    def update_spheres(self, id: int, centers: ArrayLike, radii: ArrayLike | None = None) -> None:
         """Replaces the spheres of an object by others.
 
         Args:
@@ -137,7 +135,7 @@ class Scene:
         self._native.remove(arguments.object_id(id))
 
     def copy(self) -> Scene:
-        """A scene with the same objects under the same ids; changes to one do not show in the other.
+        """A scene with the same objects and ids; changes to one do not show in the other.
 
         Meshes are shared until they change, so a copy costs next to nothing.
         """
@@ -187,9 +185,7 @@ class Scene:
             - ``primitive_normals``, float32 (..., 3): of length 1, towards where the corners run
               counter-clockwise, or out of the sphere; 0 for a miss.
         """
-        question, shape = _question(
-            rays, origin, direction, t_min, t_max, mask, engine, threads
-        )
+        question, shape = _question(rays, origin, direction, t_min, t_max, mask, engine, threads)
         answer = _new_hits(shape) if out is None else _given_hits(out, shape)
         self._native.closest_hit(question, _answer(answer, shape))
         return answer if out is None else out
@@ -214,9 +210,7 @@ class Scene:
         Returns:
             bool (...): whether something lies within ``t_min..t_max``.
         """
-        question, shape = _question(
-            rays, origin, direction, t_min, t_max, mask, engine, threads
-        )
+        question, shape = _question(rays, origin, direction, t_min, t_max, mask, engine, threads)
         occluded = _array_or_new(out, np.bool_, shape)
         occluded.fill(False)  # np.empty may leave bytes that are no bool
         self._native.occluded(question, occluded.reshape(-1))
@@ -242,9 +236,7 @@ class Scene:
 
         Arguments as for :meth:`cast_rays`; ``out`` is an array of dtype int32 and shape (...).
         """
-        question, shape = _question(
-            rays, origin, direction, t_min, t_max, mask, engine, threads
-        )
+        question, shape = _question(rays, origin, direction, t_min, t_max, mask, engine, threads)
         counts = _array_or_new(out, np.int32, shape)
         self._native.count_hits(question, counts.reshape(-1))
         return counts

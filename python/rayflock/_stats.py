@@ -56,7 +56,12 @@ class Stats:
             if field.name.endswith("_seconds"):
                 rows.append((field.name.removesuffix("_seconds"), f"{value * 1e3:.3f} ms"))
             elif value is not None:
-                rows.append((field.name.replace("_", " "), f"{value:,}" if isinstance(value, int) else value))
+                rows.append(
+                    (
+                        field.name.replace("_", " "),
+                        f"{value:,}" if isinstance(value, int) else value,
+                    )
+                )
         return rows
 
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 import rayflock
 
 VERTICES = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32)

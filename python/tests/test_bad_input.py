@@ -5,9 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from conftest import TRIANGLES, VERTICES
-
 import rayflock
+from conftest import TRIANGLES, VERTICES
 
 RAYS = np.float32([[0.25, 0.25, 2, 0, 0, -1]] * 4)
 
@@ -35,28 +34,72 @@ SHARED = np.zeros((4, 6), np.float32)
 
 MISTAKES = [
     # Meshes.
-    (lambda s: s.add(VERTICES[:, :2], TRIANGLES), ValueError, r"vertices must have shape \(n, 3\), found \(3, 2\)"),
+    (
+        lambda s: s.add(VERTICES[:, :2], TRIANGLES),
+        ValueError,
+        r"vertices must have shape \(n, 3\), found \(3, 2\)",
+    ),
     (lambda s: s.add(VERTICES[0], TRIANGLES), ValueError, r"vertices must have shape"),
-    (lambda s: s.add([["a", "b", "c"]], TRIANGLES), TypeError, "vertices must hold numbers, found dtype <U1"),
-    (lambda s: s.add(VERTICES * 1j, TRIANGLES), TypeError, "vertices must hold numbers, found dtype complex"),
-    (lambda s: s.add(VERTICES, TRIANGLES[:, :2]), ValueError, r"triangles must have shape \(n, 3\), found \(1, 2\)"),
-    (lambda s: s.add(VERTICES, TRIANGLES * 1.0), TypeError, r"found dtype float64.*astype\(numpy.uint32\)"),
-    (lambda s: s.add(VERTICES, [[0, 1, 3]]), IndexError, "triangle 0 names vertex 3, but there are 3 vertices"),
-    (lambda s: s.add(VERTICES, [[0, 1, -1]]), IndexError, "triangle 0 names vertex -1.*counted from 0"),
+    (
+        lambda s: s.add([["a", "b", "c"]], TRIANGLES),
+        TypeError,
+        "vertices must hold numbers, found dtype <U1",
+    ),
+    (
+        lambda s: s.add(VERTICES * 1j, TRIANGLES),
+        TypeError,
+        "vertices must hold numbers, found dtype complex",
+    ),
+    (
+        lambda s: s.add(VERTICES, TRIANGLES[:, :2]),
+        ValueError,
+        r"triangles must have shape \(n, 3\), found \(1, 2\)",
+    ),
+    (
+        lambda s: s.add(VERTICES, TRIANGLES * 1.0),
+        TypeError,
+        r"found dtype float64.*astype\(numpy.uint32\)",
+    ),
+    (
+        lambda s: s.add(VERTICES, [[0, 1, 3]]),
+        IndexError,
+        "triangle 0 names vertex 3, but there are 3 vertices",
+    ),
+    (
+        lambda s: s.add(VERTICES, [[0, 1, -1]]),
+        IndexError,
+        "triangle 0 names vertex -1.*counted from 0",
+    ),
     (lambda s: s.add(VERTICES, [[0, 1, 1 << 40]]), IndexError, f"names vertex {1 << 40}"),
     (lambda s: s.add(VERTICES, TRIANGLES, mask=-1), ValueError, "mask must lie in"),
     (lambda s: s.add(VERTICES, TRIANGLES, mask=[1, 2]), ValueError, "mask"),
     (lambda s: s.add(VERTICES, TRIANGLES, True), TypeError, "positional"),
-    (lambda s: s.update(0, VERTICES[:2]), ValueError, "there are 2 vertices, and there were 3: hand over the triangles"),
+    (
+        lambda s: s.update(0, VERTICES[:2]),
+        ValueError,
+        "there are 2 vertices, and there were 3: hand over the triangles",
+    ),
     (lambda s: s.update(0, VERTICES, [[0, 1, 9]]), IndexError, "vertex 9"),
     (lambda s: s.update(5, VERTICES), KeyError, "no object has the id 5"),
     (lambda s: s.update(-1, VERTICES), KeyError, "no object has the id -1"),
     (lambda s: s.update(1 << 70, VERTICES), KeyError, "no object has the id"),
     (lambda s: s.update("0", VERTICES), TypeError, "an id is a whole number, found str"),
     (lambda s: s.update_spheres(0, VERTICES), ValueError, "holds triangles: update"),
-    (lambda s: s.update(s.add_spheres(VERTICES, 1), VERTICES), ValueError, "holds spheres: update_spheres"),
-    (lambda s: s.add_spheres(VERTICES, [1, 2]), ValueError, r"radii must be one number or have shape \(3,\)"),
-    (lambda s: s.update_spheres(s.add_spheres(VERTICES, 1), VERTICES[:1]), ValueError, "hand over the radii"),
+    (
+        lambda s: s.update(s.add_spheres(VERTICES, 1), VERTICES),
+        ValueError,
+        "holds spheres: update_spheres",
+    ),
+    (
+        lambda s: s.add_spheres(VERTICES, [1, 2]),
+        ValueError,
+        r"radii must be one number or have shape \(3,\)",
+    ),
+    (
+        lambda s: s.update_spheres(s.add_spheres(VERTICES, 1), VERTICES[:1]),
+        ValueError,
+        "hand over the radii",
+    ),
     # Rays.
     (cast(rays=RAYS[:, :5]), ValueError, r"rays must have shape \(..., 6\).*found \(4, 5\)"),
     (cast(rays=3.0), ValueError, r"rays must have shape"),
@@ -64,9 +107,17 @@ MISTAKES = [
     (cast(rays=[None] * 6), TypeError, "rays must hold numbers, found dtype object"),
     (cast(rays=None), TypeError, "both origin and direction"),
     (cast(origin=(0, 0, 0)), TypeError, "not both"),
-    (cast(rays=None, origin=(0, 0), direction=(0, 0, 1)), ValueError, r"origin must have shape \(3,\)"),
+    (
+        cast(rays=None, origin=(0, 0), direction=(0, 0, 1)),
+        ValueError,
+        r"origin must have shape \(3,\)",
+    ),
     (cast(rays=None, origin=np.zeros((2, 3)), direction=np.ones((3, 3))), ValueError, "same shape"),
-    (cast(t_max=[1, 2]), ValueError, r"t_max must be one number or have the shape of the rays, \(4,\); found \(2,\)"),
+    (
+        cast(t_max=[1, 2]),
+        ValueError,
+        r"t_max must be one number or have the shape of the rays, \(4,\); found \(2,\)",
+    ),
     (cast(t_min="near"), TypeError, "t_min must hold numbers"),
     (cast(mask=1.5), TypeError, "mask must hold whole numbers"),
     (cast(mask=1 << 32), ValueError, "32 bits"),
@@ -78,21 +129,49 @@ MISTAKES = [
     # Arrays to be written.
     (cast(out=[]), TypeError, "out must be a dictionary of arrays"),
     (cast(out={"t": RAYS}), ValueError, "out has 't', which is none of: t_hit"),
-    (cast(out=hits(t_hit=[0] * 4)), TypeError, r"out\['t_hit'\] must be a numpy.ndarray, found list"),
-    (cast(out=hits(t_hit=np.zeros(4))), TypeError, r"out\['t_hit'\] must have dtype float32, found float64"),
-    (cast(out=hits(primitive_uvs=np.zeros((4, 3), np.float32))), ValueError, r"must have shape \(4, 2\), found \(4, 3\)"),
+    (
+        cast(out=hits(t_hit=[0] * 4)),
+        TypeError,
+        r"out\['t_hit'\] must be a numpy.ndarray, found list",
+    ),
+    (
+        cast(out=hits(t_hit=np.zeros(4))),
+        TypeError,
+        r"out\['t_hit'\] must have dtype float32, found float64",
+    ),
+    (
+        cast(out=hits(primitive_uvs=np.zeros((4, 3), np.float32))),
+        ValueError,
+        r"must have shape \(4, 2\), found \(4, 3\)",
+    ),
     (cast(out=hits(t_hit=read_only(np.zeros(4, np.float32)))), ValueError, "read-only"),
     (cast(out=hits(t_hit=np.zeros(8, np.float32)[::2])), ValueError, "row by row"),
     (cast(rays=SHARED, out={"t_hit": SHARED.reshape(-1)[:4]}), ValueError, "shares memory"),
     (lambda s: s.test_occlusions(RAYS, out=np.zeros(4)), TypeError, "out must have dtype bool"),
-    (lambda s: s.count_intersections(RAYS, out=np.zeros(3, np.int32)), ValueError, r"must have shape \(4,\)"),
+    (
+        lambda s: s.count_intersections(RAYS, out=np.zeros(3, np.int32)),
+        ValueError,
+        r"must have shape \(4,\)",
+    ),
     # Cameras, and the scene itself.
-    (lambda s: s.create_rays_pinhole(60, [0, 0, 0], [0, 0, 0], [0, 1, 0], 4, 4), ValueError, "parallel"),
-    (lambda s: s.create_rays_pinhole(0, [0, 0, 1], [0, 0, 0], [0, 1, 0], 4, 4), ValueError, "fov_deg"),
+    (
+        lambda s: s.create_rays_pinhole(60, [0, 0, 0], [0, 0, 0], [0, 1, 0], 4, 4),
+        ValueError,
+        "parallel",
+    ),
+    (
+        lambda s: s.create_rays_pinhole(0, [0, 0, 1], [0, 0, 0], [0, 1, 0], 4, 4),
+        ValueError,
+        "fov_deg",
+    ),
     (lambda s: s.create_rays_pinhole(np.zeros((3, 3)), np.eye(4), 4, 4), ValueError, "invertible"),
     (lambda s: s.create_rays_pinhole(60, 4, 4), TypeError, "create_rays_pinhole takes"),
     (lambda s: s.create_rays_spherical((0, 0, math.nan), 4, 4), ValueError, "eye must be finite"),
-    (lambda s: s.create_rays_spherical((0, 0, 0), 4.5, 4), TypeError, "width_px must be a whole number"),
+    (
+        lambda s: s.create_rays_spherical((0, 0, 0), 4.5, 4),
+        TypeError,
+        "width_px must be a whole number",
+    ),
     (lambda s: rayflock.Scene(engine="fast"), ValueError, 'unknown engine "fast"'),
     (lambda s: rayflock.Scene(threads=2.0), TypeError, "threads must be a whole number"),
 ]

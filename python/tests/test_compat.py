@@ -5,7 +5,6 @@ import copy
 import numpy as np
 import pytest
 from conftest import random_rays, soup, sphere_mesh
-
 from rayflock.compat import embreex as our_embreex
 from rayflock.compat import open3d as our_open3d
 from rayflock.compat import trimesh as our_trimesh
@@ -43,7 +42,10 @@ class TestOpen3D:
             assert scene.add_triangles(mesh[0] + np.float32(0.1), mesh[1]) == 1
             answer = call(scene)
             if isinstance(answer, dict):
-                answer = {name: np.asarray(getattr(a, "numpy", lambda a=a: a)()) for name, a in answer.items()}
+                answer = {
+                    name: np.asarray(getattr(a, "numpy", lambda a=a: a)())
+                    for name, a in answer.items()
+                }
             else:
                 answer = np.asarray(answer.numpy() if hasattr(answer, "numpy") else answer)
             answers.append(answer)
@@ -62,14 +64,18 @@ class TestOpen3D:
         )
         assert np.isfinite(ours["t_hit"]).any() and np.isinf(ours["t_hit"]).any()
         np.testing.assert_allclose(ours["t_hit"][same], theirs["t_hit"][same], rtol=1e-4)
-        np.testing.assert_allclose(ours["primitive_uvs"][same], theirs["primitive_uvs"][same], atol=2e-3)
+        np.testing.assert_allclose(
+            ours["primitive_uvs"][same], theirs["primitive_uvs"][same], atol=2e-3
+        )
         np.testing.assert_allclose(
             ours["primitive_normals"][same], theirs["primitive_normals"][same], atol=2e-3
         )
 
     def test_occlusions(self, mesh, rays):
         for near, far in ((0.0, np.inf), (0.5, 0.9)):
-            ours, theirs = self.both(mesh, lambda scene: scene.test_occlusions(rays, tnear=near, tfar=far))
+            ours, theirs = self.both(
+                mesh, lambda scene: scene.test_occlusions(rays, tnear=near, tfar=far)
+            )
             assert_ids_agree(ours, theirs)
             assert ours.any()
 
@@ -78,7 +84,9 @@ class TestOpen3D:
         assert_ids_agree(ours, theirs)
         assert ours.max() >= 3
         ours, theirs = self.both(mesh, lambda scene: scene.list_intersections(rays))
-        assert {name: a.dtype for name, a in ours.items()} == {name: a.dtype for name, a in theirs.items()}
+        assert {name: a.dtype for name, a in ours.items()} == {
+            name: a.dtype for name, a in theirs.items()
+        }
         wrong = 0
         for ray in range(RAYS):
             found = []
@@ -166,7 +174,9 @@ class TestEmbreex:
             assert_ids_agree(ours[name], theirs[name])
         same = (ours["primID"] == theirs["primID"]) & (ours["geomID"] == theirs["geomID"])
         for name, tolerance in (("u", 2e-3), ("v", 2e-3), ("Ng", 1e-6), ("tfar", 1e-4)):
-            np.testing.assert_allclose(ours[name][same], theirs[name][same], rtol=1e-4, atol=tolerance)
+            np.testing.assert_allclose(
+                ours[name][same], theirs[name][same], rtol=1e-4, atol=tolerance
+            )
 
     def test_one_direction_for_all_and_mistakes(self, mesh, rays):
         origins, direction = rays[:, :3].copy(), np.float32([[0, 0, 1]])
@@ -211,7 +221,9 @@ class TestTrimesh:
 
     @pytest.mark.parametrize("multiple_hits", [False, True])
     def test_ids_and_locations(self, rays, multiple_hits):
-        call = lambda side: side.intersects_location(rays[:, :3], rays[:, 3:], multiple_hits=multiple_hits)
+        call = lambda side: side.intersects_location(
+            rays[:, :3], rays[:, 3:], multiple_hits=multiple_hits
+        )
         found = []
         for locations, index_ray, index_tri in self.both(call):
             order = np.lexsort((index_tri, index_ray))
@@ -222,11 +234,17 @@ class TestTrimesh:
         pairs, their_pairs = (set(zip(*side[1:], strict=True)) for side in found)
         assert len(pairs ^ their_pairs) < 3e-3 * len(their_pairs)
         places = {key: place for place, key in enumerate(zip(*theirs[1:], strict=True))}
-        rows = [(row, places[key]) for row, key in enumerate(zip(index_ray, index_tri, strict=True)) if key in places]
+        rows = [
+            (row, places[key])
+            for row, key in enumerate(zip(index_ray, index_tri, strict=True))
+            if key in places
+        ]
         mine, other = np.array(rows).T
         np.testing.assert_allclose(locations[mine], theirs[0][other], atol=1e-5)
 
-        index_tri, index_ray = self.ours.intersects_id(rays[:, :3], rays[:, 3:], multiple_hits, max_hits=1)
+        index_tri, index_ray = self.ours.intersects_id(
+            rays[:, :3], rays[:, 3:], multiple_hits, max_hits=1
+        )
         assert len(index_ray) == len(set(index_ray))
 
     def test_hits_of_a_ray_go_from_near_to_far(self, rays):

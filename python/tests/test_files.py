@@ -5,9 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import TRIANGLES, VERTICES
-
 import rayflock
+from conftest import TRIANGLES, VERTICES
 
 DOWN = [[0.25, 0.25, 2.0, 0.0, 0.0, -1.0]]
 
@@ -78,7 +77,7 @@ def test_what_is_wrong_with_files_is_told(tmp_path, one_triangle):
         rayflock.load("builtin:kettle")
     with pytest.raises(ValueError, match="clip"):
         rayflock.load("builtin:cornell", clip="Run")
-    with pytest.raises(ValueError, match="found \"x\", expected y or z"):
+    with pytest.raises(ValueError, match='found "x", expected y or z'):
         rayflock.load("builtin:cornell", up="x")
     broken = tmp_path / "broken.obj"
     broken.write_text("v 0 0 0\nf 1 2 9\n")
@@ -116,7 +115,9 @@ def test_pictures_of_files_are_those_of_every_engine():
     picture = rayflock.render(scene, **size)
     assert picture.std() > 10
     for engine, threads in (("brute", 1), ("bvh", 2)):
-        np.testing.assert_array_equal(rayflock.render(scene, **size, engine=engine, threads=threads), picture)
+        np.testing.assert_array_equal(
+            rayflock.render(scene, **size, engine=engine, threads=threads), picture
+        )
     scene.evaluate(2.0)
     assert (rayflock.render(scene, **size) != picture).any()
 

@@ -6,9 +6,8 @@ import threading
 
 import numpy as np
 import pytest
-from conftest import TRIANGLES, VERTICES, random_rays, soup, sphere_mesh
-
 import rayflock
+from conftest import TRIANGLES, VERTICES, random_rays, soup, sphere_mesh
 from rayflock import _arguments, _scene
 
 
@@ -20,7 +19,9 @@ def test_arrays_that_fit_are_handed_on_as_they_are(rng):
     for given, name in ((rays, "rays"), (t_max, "t_max"), (mask, "mask")):
         assert question[name].ctypes.data == given.ctypes.data
         assert np.shares_memory(question[name], given)
-    question, _ = _scene._question(None, rays[..., 0, :3].copy(), (0, 0, 1), 0.0, 1.0, 1, None, None)
+    question, _ = _scene._question(
+        None, rays[..., 0, :3].copy(), (0, 0, 1), 0.0, 1.0, 1, None, None
+    )
     assert question["direction"] == (0, 0, 1)
     triangles = np.zeros((1, 3), np.uint32)
     assert _arguments.triangles(triangles).ctypes.data == triangles.ctypes.data

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from conftest import TRIANGLES, VERTICES, random_rays, soup, sphere_mesh
-
 import rayflock
+from conftest import random_rays, soup, sphere_mesh
 
 
 @pytest.fixture
@@ -87,8 +86,18 @@ def test_intervals_limit_rays_in_lengths_of_their_directions(one_triangle):
     ray = [0.25, 0.25, 2.0, 0.0, 0.0, -0.5]
     rays = np.float32([ray] * 4)
     t_min, t_max = [0, 4, 4.5, 0], [4, 5, 9, 3.5]
-    assert scene.cast_rays(rays, t_min=t_min, t_max=t_max)["t_hit"].tolist() == [4, 4, np.inf, np.inf]
-    assert scene.test_occlusions(rays, t_min=t_min, t_max=t_max).tolist() == [True, True, False, False]
+    assert scene.cast_rays(rays, t_min=t_min, t_max=t_max)["t_hit"].tolist() == [
+        4,
+        4,
+        np.inf,
+        np.inf,
+    ]
+    assert scene.test_occlusions(rays, t_min=t_min, t_max=t_max).tolist() == [
+        True,
+        True,
+        False,
+        False,
+    ]
     assert scene.count_intersections(rays, t_max=3.5).tolist() == [0] * 4
     assert not scene.test_occlusions([ray], t_min=np.float64(4.5)).any()
 
@@ -124,7 +133,9 @@ def test_every_crossing_of_a_surface_is_listed_once(rng):
     outer = scene.add(*sphere_mesh())
     inner = scene.add(*sphere_mesh(radius=0.5))
     # Through the middle, off all edges; through vertices and edges; past everything.
-    rays = np.float32([[0.01, 0.02, 3, 0, 0, -1], [0, 0, 3, 0, 0, -1], [3, 0, 0, -1, 0, 0], [9, 9, 9, 0, 0, 1]])
+    rays = np.float32(
+        [[0.01, 0.02, 3, 0, 0, -1], [0, 0, 3, 0, 0, -1], [3, 0, 0, -1, 0, 0], [9, 9, 9, 0, 0, 1]]
+    )
     assert scene.count_intersections(rays).tolist() == [4, 4, 4, 0]
     hits = scene.list_intersections(rays)
     assert hits["ray_splits"].tolist() == [0, 4, 8, 12, 12]
@@ -148,5 +159,7 @@ def test_a_panorama_looks_everywhere():
     )
     np.testing.assert_allclose(ahead[1, 0, 3:], [0, 1, 0], atol=1e-7)
     assert ahead[0, 0, 5] == pytest.approx(np.sin(np.deg2rad(10)))
-    left = rayflock.create_rays_spherical((0, 0, 0), 1, 1, azimuth_deg=(90, 90), elevation_deg=(0, 0))
+    left = rayflock.create_rays_spherical(
+        (0, 0, 0), 1, 1, azimuth_deg=(90, 90), elevation_deg=(0, 0)
+    )
     np.testing.assert_allclose(left[0, 0, 3:], [0, 1, 0], atol=1e-7)

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from conftest import TRIANGLES, VERTICES, random_rays, soup, sphere_mesh
-
 import rayflock
+from conftest import TRIANGLES, VERTICES, random_rays, soup, sphere_mesh
 
 DOWN = [[0.25, 0.25, 2.0, 0.0, 0.0, -1.0]]
 

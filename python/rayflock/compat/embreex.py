@@ -71,7 +71,7 @@ class EmbreeScene:
         if len(directions) == 1:
             directions = np.ascontiguousarray(np.broadcast_to(directions, origins.shape))
         ends = np.full(len(origins), FAR if dists is None else dists, np.float32)
-        rays = {"origin": origins, "direction": directions, "t_max": ends}
+        rays: dict[str, Any] = {"origin": origins, "direction": directions, "t_max": ends}
         if query == "OCCLUDED":
             return self.scene.test_occlusions(**rays).astype(np.int32) - 1
         hits = self.scene.cast_rays(**rays)
@@ -146,7 +146,5 @@ def _points(points: NDArray[np.float32]) -> NDArray[np.float32]:
     if not isinstance(points, np.ndarray):
         raise TypeError(f"expected a numpy.ndarray of points, found {type(points).__name__}")
     if points.ndim != 2:
-        raise ValueError(
-            f"Buffer has wrong number of dimensions (expected 2, got {points.ndim})"
-        )
+        raise ValueError(f"Buffer has wrong number of dimensions (expected 2, got {points.ndim})")
     return points

@@ -36,11 +36,14 @@ class RaycastingScene:
         self.scene = Scene(threads=nthreads or None)
 
     def add_triangles(self, *args: Any, **kwargs: Any) -> int:
-        """Adds a mesh and returns its id: ``(vertex_positions, triangle_indices)`` or ``(mesh)``."""
+        """Adds a mesh, ``(vertex_positions, triangle_indices)`` or ``(mesh)``; returns its id."""
         return self.scene.add(*_mesh(args, kwargs))
 
     def update_triangles(
-        self, geometry_id: int, vertex_positions: ArrayLike, triangle_indices: ArrayLike | None = None
+        self,
+        geometry_id: int,
+        vertex_positions: ArrayLike,
+        triangle_indices: ArrayLike | None = None,
     ) -> None:
         """Replaces a mesh; not in Open3D."""
         self.scene.update(geometry_id, vertex_positions, triangle_indices)
@@ -57,9 +60,7 @@ class RaycastingScene:
         self, rays: ArrayLike, tnear: float = 0.0, tfar: float = np.inf, nthreads: int = 0
     ) -> NDArray[np.bool_]:
         """See :meth:`rayflock.Scene.test_occlusions`."""
-        return self.scene.test_occlusions(
-            rays, t_min=tnear, t_max=tfar, threads=nthreads or None
-        )
+        return self.scene.test_occlusions(rays, t_min=tnear, t_max=tfar, threads=nthreads or None)
 
     def count_intersections(self, rays: ArrayLike, nthreads: int = 0) -> NDArray[np.int32]:
         """See :meth:`rayflock.Scene.count_intersections`."""

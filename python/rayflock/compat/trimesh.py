@@ -83,7 +83,11 @@ class RayMeshIntersector:
             t_hit = hits["t_hit"][index_ray]
         if not return_locations:
             return index_tri, index_ray
-        return index_tri, index_ray, self._locations(origins, directions, index_ray, index_tri, t_hit)
+        return (
+            index_tri,
+            index_ray,
+            self._locations(origins, directions, index_ray, index_tri, t_hit),
+        )
 
     def intersects_first(
         self, ray_origins: ArrayLike, ray_directions: ArrayLike
@@ -94,14 +98,16 @@ class RayMeshIntersector:
         hits = scene.cast_rays(origin=origins - self._corner, direction=directions)
         return hits["primitive_ids"].view(np.int32)
 
-    def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> NDArray[np.bool_]:
+    def intersects_any(
+        self, ray_origins: ArrayLike, ray_directions: ArrayLike
+    ) -> NDArray[np.bool_]:
         """Returns whether each ray hits anything, (n,)."""
         origins, directions = _rays(ray_origins, ray_directions)
         scene = self._current_scene()
         return scene.test_occlusions(origin=origins - self._corner, direction=directions)
 
     def contains_points(self, points: ArrayLike) -> NDArray[np.bool_]:
-        """Returns whether each point is inside of the mesh, (n,), by trimesh's own way of asking."""
+        """Returns whether each point is inside the mesh, (n,), by trimesh's own way of asking."""
         from trimesh.ray.ray_util import contains_points
 
         return contains_points(self, points)
@@ -143,7 +149,7 @@ class RayMeshIntersector:
         return {"mesh": self.mesh, "_scale_to_box": self._scale_to_box}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__init__(state["mesh"], state["_scale_to_box"])
+        self.__dict__.update(type(self)(state["mesh"], state["_scale_to_box"]).__dict__)
 
 
 def _same(a: NDArray[Any], b: NDArray[Any]) -> bool:
