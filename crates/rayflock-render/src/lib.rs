@@ -8,6 +8,7 @@
 //! | [`FrameRenderer`] | your code takes any renderer of frames |
 //! | [`tonemap`] | you show or store a [`Film`] |
 //! | [`vpl`] | you want indirect light: virtual lights, and what points see of them |
+//! | [`occluders`] | you want to know nearly, and soon, how much is in the way: spheres for geometry |
 //! | [`sun`] | you want to know for how many hours the sun shines on each face or vertex |
 //!
 //! # What is rendered
@@ -53,6 +54,7 @@ mod error;
 mod film;
 mod frame_shading;
 mod lights;
+pub mod occluders;
 mod path_tracer;
 pub mod reference;
 mod renderer;

@@ -1,0 +1,5 @@
+//! Tests of spheres that stand for geometry.
+
+mod accuracy;
+mod common;
+mod following;
