@@ -9,6 +9,7 @@
 //! | [`tonemap`] | you show or store a [`Film`] |
 //! | [`vpl`] | you want indirect light: virtual lights, and what points see of them |
 //! | [`occluders`] | you want to know nearly, and soon, how much is in the way: spheres for geometry |
+//! | [`lightcuts`] | you have thousands of lights: clusters of them, under an error bound |
 //! | [`sun`] | you want to know for how many hours the sun shines on each face or vertex |
 //!
 //! # What is rendered
@@ -53,6 +54,7 @@
 mod error;
 mod film;
 mod frame_shading;
+pub mod lightcuts;
 mod lights;
 pub mod occluders;
 mod path_tracer;
