@@ -46,6 +46,7 @@ mod see_tile;
 mod sphere_set;
 mod sphere_tree;
 
+pub(crate) use cluster::nearby_order;
 pub use gather_tile::{IrradianceBlock, ShiningLight};
 pub use matte_lights::MatteLight;
 pub use scene_spheres::{FitStats, SceneSpheres, SphereSettings};

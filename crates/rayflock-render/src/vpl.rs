@@ -11,6 +11,8 @@
 //! wave of points: gather: tile of points and lights: who faces whom
 //!                           -> PairVisibility: exact (engine: occluded), or none
 //!                           -> sums, cut off at the bound
+//!                 gather_past_spheres: the same without pairs, by `occluders`
+//!                 gather_by_cuts: for many thousands of lights, by `lightcuts`
 //! ```
 //!
 //! **Source**: A. Keller, *Instant Radiosity*, SIGGRAPH 1997; L. Szecsi, thesis, ch. 5, for
@@ -22,6 +24,8 @@
 
 mod exact_visibility;
 mod gather;
+mod gather_by_cuts;
+mod gather_past_spheres;
 pub(crate) mod indirect;
 mod pair_visibility;
 mod settings;

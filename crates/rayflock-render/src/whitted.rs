@@ -33,7 +33,6 @@ use crate::stages::shade_surface::{Surroundings, shade_surface};
 use crate::stages::shadow_rays::{ShadowTarget, shadow_batch, shadow_rays};
 use crate::stats::Stopwatch;
 use crate::vpl::indirect::IndirectLight;
-use crate::vpl::{Visibility, VplSettings};
 use crate::wave::{ShadedRun, ShadowWave, Wave};
 use crate::{Film, FrameRenderer, FrameStats, Indirect, RenderError, RenderSettings, View};
 
@@ -100,7 +99,7 @@ impl FrameRenderer for WhittedRenderer {
     fn commit(&mut self, scene: &Scene, frame: &SceneFrame) -> Result<CommitStats, RenderError> {
         let _span = debug_span!("commit_frame").entered();
         self.frame = None;
-        self.indirect.invalidate();
+        self.indirect.invalidate(&frame.geometry);
         let shading = FrameShading::new(scene, frame)?;
         let stats = self.engine.commit(&frame.geometry, &frame.changes)?;
         self.frame = Some(shading);
@@ -205,11 +204,12 @@ impl<'a> Picture<'a> {
 
     /// Leaves virtual lights, if light comes from them.
     fn shoot(&self, bounds: &Aabb, tracer: &mut Tracer<'_>) {
-        if let Indirect::Vpl(settings) = &self.settings.indirect {
+        if let Some(settings) = self.settings.indirect.lights() {
             let frame = self.surroundings.frame;
             let shining = (&self.lights[..], self.surroundings.background);
             let Tracer { engine, indirect, stats, .. } = tracer;
             indirect.shoot(&mut **engine, frame, shining, bounds, settings, stats);
+            indirect.fit(settings.visibility, stats);
         }
     }
 
@@ -261,8 +261,8 @@ impl<'a> Picture<'a> {
                 self.light(target, tracer);
             }
         }
-        if let Indirect::Vpl(VplSettings { visibility, .. }) = self.settings.indirect {
-            tracer.gather(visibility);
+        if self.settings.indirect != Indirect::Off {
+            tracer.gather(&self.settings.indirect);
         }
     }
 
@@ -288,9 +288,9 @@ impl<'a> Picture<'a> {
 
 impl Tracer<'_> {
     /// Adds what virtual lights send to the points of the current wave.
-    fn gather(&mut self, visibility: Visibility) {
+    fn gather(&mut self, settings: &Indirect) {
         let Tracer { engine, indirect, buffers, stats } = self;
-        indirect.gather(&mut **engine, visibility, &mut buffers.runs, stats);
+        indirect.gather(&mut **engine, settings, &mut buffers.runs, stats);
         buffers.occluded.clear();
         buffers.occluded.resize(buffers.runs.iter().map(|run| run.lit.len()).sum(), false);
         buffers.sums.add_lit(&buffers.runs, &buffers.occluded);

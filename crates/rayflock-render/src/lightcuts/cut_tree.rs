@@ -112,6 +112,11 @@ impl Lightcuts {
         Self { settings, ..Self::default() }
     }
 
+    /// Changes the settings.
+    pub const fn set(&mut self, settings: CutSettings) {
+        self.settings = settings;
+    }
+
     /// Makes the tree of `lights`.
     pub fn commit(&mut self, lights: &VirtualLights) {
         let _span = debug_span!("build_light_tree").entered();

@@ -95,6 +95,14 @@ pub(super) fn sort_along_curve(points: &mut [WeightedPoint]) {
     points.sort_unstable_by_key(|point| (point.code, point.idx));
 }
 
+/// The places of `positions` in an order in which neighbours are close.
+pub(crate) fn nearby_order(positions: &[Vec3]) -> Vec<usize> {
+    let point = |(idx, &position)| WeightedPoint { position, weight: 1.0, idx, code: 0 };
+    let mut points: Vec<_> = (0..).zip(positions).map(point).collect();
+    sort_along_curve(&mut points);
+    points.into_iter().map(|point| point.idx as usize).collect()
+}
+
 /// A cluster that may be cut, the worst first.
 #[derive(Debug)]
 struct Part {

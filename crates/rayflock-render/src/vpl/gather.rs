@@ -142,7 +142,12 @@ fn add(
 
 /// What light `light_idx`, if nothing is in the way, adds to the radiance of `point`, and the sum
 /// of the colours that the bound keeps away.
-fn arriving(lights: &VirtualLights, light_idx: usize, point: &LitPoint, bound: f32) -> (Vec3, f32) {
+pub(super) fn arriving(
+    lights: &VirtualLights,
+    light_idx: usize,
+    point: &LitPoint,
+    bound: f32,
+) -> (Vec3, f32) {
     let pair = Pair::new(lights, light_idx, point);
     let LitPoint { diffuse, specular, shininess, normal, to_viewer, .. } = *point;
     let sent_back = reflected(diffuse, specular, shininess, normal, to_viewer, pair.to_light);

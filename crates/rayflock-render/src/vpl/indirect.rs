@@ -1,15 +1,20 @@
 //! Indirect light for a renderer: lights are shot once a picture and gathered wave by wave.
 
 use rayflock_engine::RayEngine;
-use rayflock_geom::Aabb;
+use rayflock_geom::{Aabb, Geometry};
 use rayflock_scene::{Background, LightKind};
 
 use super::exact_visibility::{ExactVisibility, RayBuffers};
-use super::gather::{GatherBuffers, gather};
+use super::gather::{GatherBuffers, GatherStats, gather};
+use super::gather_by_cuts::CutGatherer;
+use super::gather_past_spheres::{GroupedLights, gather_past_spheres};
 use super::shoot::{ShootBuffers, shoot};
 use super::sources::Sources;
 use super::{PairTile, PairVisibility, VirtualLights, Visibility, VisibilityStats, VplSettings};
+use crate::Indirect;
 use crate::frame_shading::FrameShading;
+use crate::lightcuts::{CutVisibility, Exact, Open, PastSpheres};
+use crate::occluders::{SceneSpheres, SphereSettings};
 use crate::stats::{FrameStats, Stopwatch};
 use crate::wave::ShadedRun;
 
@@ -23,6 +28,20 @@ pub(crate) struct IndirectLight {
     shoot: ShootBuffers,
     gather: GatherBuffers,
     rays: RayBuffers,
+    /// What there is in the frame, for spheres.
+    geometry: Geometry,
+    spheres: Option<Spheres>,
+    grouped: GroupedLights,
+    cuts: CutGatherer,
+}
+
+/// Spheres in place of geometry.
+#[derive(Debug)]
+struct Spheres {
+    settings: SphereSettings,
+    scene: SceneSpheres,
+    /// Whether they are where the frame is.
+    is_current: bool,
 }
 
 /// What lights depend on besides the frame.
@@ -35,8 +54,10 @@ struct MadeOf {
 
 impl IndirectLight {
     /// The frame has changed.
-    pub(crate) fn invalidate(&mut self) {
+    pub(crate) fn invalidate(&mut self, geometry: &Geometry) {
         self.made_of = None;
+        self.geometry = geometry.clone();
+        self.spheres.iter_mut().for_each(|spheres| spheres.is_current = false);
     }
 
     /// Shoots virtual lights, unless those of the last picture are still right.
@@ -64,9 +85,31 @@ impl IndirectLight {
             stats.trace += shot.trace;
             stats.rays.indirect += shot.rays;
             self.made_of = Some(made_of);
+            self.grouped.assign(&self.lights);
+            self.cuts.invalidate();
         }
         stats.indirect.lights = self.lights.len() as u64;
         stats.indirect.shoot_seconds += stopwatch.seconds();
+    }
+
+    /// Brings spheres to where the frame is, if visibility is asked of them.
+    pub(crate) fn fit(&mut self, visibility: Visibility, stats: &mut FrameStats) {
+        let Visibility::Spheres(settings) = visibility else { return };
+        let stopwatch = Stopwatch::start();
+        let spheres = match &mut self.spheres {
+            Some(spheres) if spheres.settings == settings => spheres,
+            spheres => spheres.insert(Spheres {
+                settings,
+                scene: SceneSpheres::new(settings),
+                is_current: false,
+            }),
+        };
+        if !spheres.is_current {
+            spheres.scene.commit(&self.geometry);
+            spheres.is_current = true;
+        }
+        stats.indirect.spheres = spheres.scene.tree().spheres().len() as u64;
+        stats.indirect.fit_seconds += stopwatch.seconds();
     }
 
     /// Gathers light at the points of `runs`; what arrives is left as `lit` of each run, one entry
@@ -74,26 +117,76 @@ impl IndirectLight {
     pub(crate) fn gather(
         &mut self,
         engine: &mut dyn RayEngine,
-        visibility: Visibility,
+        indirect: &Indirect,
         runs: &mut [ShadedRun],
         stats: &mut FrameStats,
     ) {
         let stopwatch = Stopwatch::start();
+        let gathered = match *indirect {
+            Indirect::Off => return,
+            Indirect::Vpl(settings) => self.gather_all(engine, settings.visibility, runs, stats),
+            Indirect::Lightcuts { lights, error_bound } => {
+                self.gather_by_cuts(engine, lights.visibility, error_bound, runs, stats)
+            }
+        };
+        stats.indirect.visibility += gathered.visibility;
+        stats.indirect.gathered += gathered.gathered;
+        stats.indirect.clamped += gathered.lost;
+        stats.indirect.gather_seconds += stopwatch.seconds();
+    }
+
+    /// From all lights.
+    fn gather_all(
+        &mut self,
+        engine: &mut dyn RayEngine,
+        visibility: Visibility,
+        runs: &mut [ShadedRun],
+        stats: &mut FrameStats,
+    ) -> GatherStats {
         let (lights, bound) = (&self.lights, self.bound);
-        let gathered = match visibility {
-            Visibility::Exact => {
+        match (visibility, &self.spheres) {
+            (Visibility::Spheres(_), Some(spheres)) => {
+                gather_past_spheres(lights, &self.grouped, spheres.scene.tree(), bound, runs)
+            }
+            (Visibility::Exact, _) => {
                 let mut exact = ExactVisibility::new(engine, &mut self.rays);
                 let gathered = gather(lights, bound, &mut exact, runs, &mut self.gather);
                 stats.trace += exact.trace;
                 stats.rays.shadow += gathered.visibility.rays;
                 gathered
             }
-            Visibility::None => gather(lights, bound, &mut Unhindered, runs, &mut self.gather),
+            _ => gather(lights, bound, &mut Unhindered, runs, &mut self.gather),
+        }
+    }
+
+    /// From clusters of lights.
+    fn gather_by_cuts(
+        &mut self,
+        engine: &mut dyn RayEngine,
+        visibility: Visibility,
+        error_bound: f32,
+        runs: &mut [ShadedRun],
+        stats: &mut FrameStats,
+    ) -> GatherStats {
+        self.cuts.commit(&self.lights, error_bound, self.bound);
+        let (mut exact, mut past_spheres, mut open);
+        let visibility: &mut dyn CutVisibility = match (visibility, &self.spheres) {
+            (Visibility::Spheres(_), Some(spheres)) => {
+                past_spheres = PastSpheres::new(spheres.scene.tree());
+                &mut past_spheres
+            }
+            (Visibility::Exact, _) => {
+                exact = Exact::new(engine);
+                &mut exact
+            }
+            _ => {
+                open = Open;
+                &mut open
+            }
         };
-        stats.indirect.visibility += gathered.visibility;
-        stats.indirect.gathered += gathered.gathered;
-        stats.indirect.clamped += gathered.lost;
-        stats.indirect.gather_seconds += stopwatch.seconds();
+        let (gathered, cuts) = self.cuts.gather(&self.lights, visibility, runs);
+        stats.indirect.cuts += cuts;
+        gathered
     }
 
     /// Bytes held.
@@ -102,6 +195,9 @@ impl IndirectLight {
             + self.shoot.memory_usage()
             + self.gather.memory_usage()
             + self.rays.memory_usage()
+            + self.spheres.as_ref().map_or(0, |spheres| spheres.scene.memory_usage())
+            + self.grouped.memory_usage()
+            + self.cuts.memory_usage()
     }
 }
 
