@@ -13,6 +13,8 @@
 //!                           -> sums, cut off at the bound
 //!                 gather_past_spheres: the same without pairs, by `occluders`
 //!                 gather_by_cuts: for many thousands of lights, by `lightcuts`
+//!                 or gather_chosen (`resample`): guessed visibility chooses few lights a point,
+//!                           -> exact visibility corrects the guess
 //! ```
 //!
 //! **Source**: A. Keller, *Instant Radiosity*, SIGGRAPH 1997; L. Szecsi, thesis, ch. 5, for
@@ -28,11 +30,13 @@ mod gather_by_cuts;
 mod gather_past_spheres;
 pub(crate) mod indirect;
 mod pair_visibility;
+mod resample;
 mod settings;
 mod shoot;
 mod sources;
+mod sphere_visibility;
 mod virtual_lights;
 
 pub use pair_visibility::{PairTile, PairVisibility, VisibilityStats};
-pub use settings::{Visibility, VplSettings};
+pub use settings::{ChosenBy, ChosenRays, Visibility, VplSettings};
 pub use virtual_lights::{Lobe, VirtualLight, VirtualLights};

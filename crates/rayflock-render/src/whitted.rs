@@ -262,7 +262,7 @@ impl<'a> Picture<'a> {
             }
         }
         if self.settings.indirect != Indirect::Off {
-            tracer.gather(&self.settings.indirect);
+            tracer.gather(&self.settings.indirect, sample_idx);
         }
     }
 
@@ -288,8 +288,9 @@ impl<'a> Picture<'a> {
 
 impl Tracer<'_> {
     /// Adds what virtual lights send to the points of the current wave.
-    fn gather(&mut self, settings: &Indirect) {
+    fn gather(&mut self, settings: &Indirect, sample_idx: u32) {
         let Tracer { engine, indirect, buffers, stats } = self;
+        let settings = (settings, sample_idx);
         indirect.gather(&mut **engine, settings, &mut buffers.runs, stats);
         buffers.occluded.clear();
         buffers.occluded.resize(buffers.runs.iter().map(|run| run.lit.len()).sum(), false);

@@ -27,8 +27,10 @@ use super::{PairTile, PairVisibility, VirtualLights, VisibilityStats};
 use crate::shading::scatter::reflected;
 use crate::wave::{Contribution, LitPoint, ShadedRun};
 
-/// Pairs of a tile.
-const TILE_PAIRS: usize = 1 << 21;
+/// Pairs of a tile, unless a single light has more.
+pub(super) const TILE_PAIRS: usize = 1 << 21;
+/// Points of a lot.
+pub(super) const LOT: usize = 128;
 
 /// What gathering found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,8 +46,20 @@ pub(crate) struct GatherStats {
 /// Working memory, kept from wave to wave.
 #[derive(Debug, Default)]
 pub(crate) struct GatherBuffers {
-    points: Vec<Vec3>,
-    shares: Vec<f32>,
+    pub(super) points: Vec<Vec3>,
+    pub(super) normals: Vec<Vec3>,
+    pub(super) shares: Vec<f32>,
+    /// A second share of each pair, where few rays stand for all.
+    pub(super) guides: Vec<f32>,
+}
+
+/// Neighbouring points that one task adds to, and what has arrived at each.
+#[derive(Debug)]
+pub(super) struct Lot<'a> {
+    /// How many points there are in the lots before.
+    pub(super) first_point: usize,
+    pub(super) points: &'a [LitPoint],
+    pub(super) lit: &'a mut [Contribution],
 }
 
 /// Gathers the light of `lights` at all points of `runs`, with geometry terms up to `bound`; what
@@ -58,76 +72,89 @@ pub(crate) fn gather(
     buffers: &mut GatherBuffers,
 ) -> GatherStats {
     let _span = debug_span!("gather").entered();
-    let GatherBuffers { points, shares } = buffers;
-    points.clear();
-    for run in &mut *runs {
-        points.extend(run.points.iter().map(|point| point.shadow_position));
-        run.lit.clear();
-        run.lit.extend(
-            run.points
-                .iter()
-                .map(|point| Contribution { pixel_idx: point.pixel_idx, radiance: Vec3::ZERO }),
-        );
-    }
+    let mut lots = lots_of(runs);
+    let GatherBuffers { points, normals, shares, .. } = buffers;
+    collect_points(&lots, points, normals);
     let mut stats = GatherStats::default();
-    if points.is_empty() {
-        return stats;
-    }
-    let tile_lights = (TILE_PAIRS / points.len()).clamp(1, lights.len().max(1));
+    let tile_lights = (TILE_PAIRS / points.len().max(1)).clamp(1, lights.len().max(1));
     for start in (0..lights.len()).step_by(tile_lights) {
         let range = start..(start + tile_lights).min(lights.len());
-        let tile = PairTile { points, lights, range: range.clone() };
-        shares.clear();
-        shares.resize(tile.len(), 0.0);
-        face(lights, range.start, runs, points.len(), shares);
-        stats.visibility += visibility.multiply(&tile, shares);
-        stats.lost += add(lights, &range, bound, runs, points.len(), shares);
+        let tile = PairTile { points, normals, lights, range: range.clone() };
+        face(&tile, &lots, shares);
+        if !shares.is_empty() {
+            stats.visibility += visibility.multiply(&tile, shares);
+            stats.lost += add(lights, &range, bound, &mut lots, shares);
+        }
     }
-    let radiances = runs.iter().flat_map(|run| &run.lit).map(|lit| lit.radiance.element_sum());
-    stats.gathered = radiances.map(f64::from).filter(|sum| sum.is_finite()).sum();
+    stats.gathered = arrived(&lots);
     stats
 }
 
-/// Sets the shares of the pairs that face each other to 1.
-fn face(
-    lights: &VirtualLights,
-    first_light: usize,
-    runs: &[ShadedRun],
-    point_count: usize,
-    shares: &mut [f32],
-) {
-    shares.par_chunks_mut(point_count).enumerate().for_each(|(row, shares)| {
-        let light_idx = first_light + row;
-        let points = runs.iter().flat_map(|run| &run.points);
+/// All points of `runs`, nothing arrived yet.
+pub(super) fn lots_of(runs: &mut [ShadedRun]) -> Vec<Lot<'_>> {
+    let mut point_count = 0;
+    let mut lots = Vec::new();
+    for ShadedRun { points, lit, .. } in runs {
+        lit.clear();
+        lit.extend(
+            points
+                .iter()
+                .map(|point| Contribution { pixel_idx: point.pixel_idx, radiance: Vec3::ZERO }),
+        );
+        for (points, lit) in points.chunks(LOT).zip(lit.chunks_mut(LOT)) {
+            lots.push(Lot { first_point: point_count, points, lit });
+            point_count += points.len();
+        }
+    }
+    lots
+}
+
+/// Makes `points` the places of all points of `lots`, and `normals` their normals.
+pub(super) fn collect_points(lots: &[Lot<'_>], points: &mut Vec<Vec3>, normals: &mut Vec<Vec3>) {
+    normals.clear();
+    normals.extend(lots.iter().flat_map(|lot| lot.points).map(|point| point.normal));
+    points.clear();
+    points.extend(lots.iter().flat_map(|lot| lot.points).map(|point| point.shadow_position));
+}
+
+/// The sum of all that has arrived.
+pub(super) fn arrived(lots: &[Lot<'_>]) -> f64 {
+    let radiances = lots.iter().flat_map(|lot| &*lot.lit).map(|lit| lit.radiance.element_sum());
+    radiances.map(f64::from).filter(|sum| sum.is_finite()).sum()
+}
+
+/// Makes the shares of the pairs of `tile`, whose points are those of `lots`, 1 where the two face
+/// each other and 0 elsewhere.
+pub(super) fn face(tile: &PairTile<'_>, lots: &[Lot<'_>], shares: &mut Vec<f32>) {
+    shares.clear();
+    shares.resize(tile.len(), 0.0);
+    let rows = shares.par_chunks_mut(tile.points.len().max(1)).enumerate();
+    rows.for_each(|(row, shares)| {
+        let points = lots.iter().flat_map(|lot| lot.points);
         for (share, point) in shares.iter_mut().zip(points) {
-            let pair = Pair::new(lights, light_idx, point);
+            let pair = Pair::new(tile.lights, tile.range.start + row, point);
             *share = if pair.geometry() > 0.0 { 1.0 } else { 0.0 };
         }
     });
 }
 
 /// Adds the light of a tile to its points; returns what the bound kept away.
-fn add(
+pub(super) fn add(
     lights: &VirtualLights,
     range: &Range<usize>,
     bound: f32,
-    runs: &mut [ShadedRun],
-    point_count: usize,
+    lots: &mut [Lot<'_>],
     shares: &[f32],
 ) -> f64 {
-    let mut first = 0;
-    let offsets = runs.iter().map(|run| {
-        first += run.points.len();
-        first - run.points.len()
-    });
-    let offsets: Vec<usize> = offsets.collect();
-    let lost = runs.par_iter_mut().zip(offsets).map(|(run, offset)| {
+    let point_count = shares.len() / range.len().max(1);
+    let first_of_tile = lots.first().map_or(0, |lot| lot.first_point);
+    let lost = lots.par_iter_mut().map(|Lot { first_point, points, lit }| {
         let mut lost = 0.0;
-        let ShadedRun { points, lit, .. } = run;
         for (row, light_idx) in range.clone().enumerate() {
-            let shares = &shares[row * point_count + offset..][..points.len()];
-            for ((point, lit), share) in points.iter().zip(&mut *lit).zip(shares) {
-                if *share > 0.0 {
+            let first_pair = row * point_count + *first_point - first_of_tile;
+            let shares = &shares[first_pair..][..points.len()];
+            for ((point, lit), share) in points.iter().zip(&mut **lit).zip(shares) {
+                if *share != 0.0 {
                     let (radiance, beyond) = arriving(lights, light_idx, point, bound);
                     lit.radiance += *share * radiance;
                     lost += f64::from(*share * beyond);
@@ -204,6 +231,7 @@ impl Pair {
 impl GatherBuffers {
     /// Bytes held.
     pub(crate) fn memory_usage(&self) -> usize {
-        self.points.capacity() * size_of::<Vec3>() + self.shares.capacity() * size_of::<f32>()
+        (self.points.capacity() + self.normals.capacity()) * size_of::<Vec3>()
+            + (self.shares.capacity() + self.guides.capacity()) * size_of::<f32>()
     }
 }

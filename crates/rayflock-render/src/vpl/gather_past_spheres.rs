@@ -21,6 +21,7 @@ use rayon::prelude::*;
 use tracing::debug_span;
 
 use super::gather::{GatherStats, arriving};
+use super::sphere_visibility::DISTANCE;
 use super::{Lobe, VirtualLight, VirtualLights, VisibilityStats};
 use crate::occluders::{
     IrradianceBlock, MatteLight, PointTile, SeenLight, ShiningLight, SphereTree, TileSight,
@@ -36,9 +37,6 @@ const GROUP_LIGHTS: usize = 16;
 
 /// A highlight below this share of its strength is not seen.
 const FAINT: f32 = 1.0 / 512.0;
-
-/// Distant lights are taken to be so many times farther away than the scene is large.
-const DISTANCE: f32 = 64.0;
 
 /// Lights in an order in which neighbours are close, or alike in direction.
 #[derive(Debug, Default)]

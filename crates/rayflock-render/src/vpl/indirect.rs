@@ -8,9 +8,13 @@ use super::exact_visibility::{ExactVisibility, RayBuffers};
 use super::gather::{GatherBuffers, GatherStats, gather};
 use super::gather_by_cuts::CutGatherer;
 use super::gather_past_spheres::{GroupedLights, gather_past_spheres};
+use super::resample::{Eyes, gather_chosen};
 use super::shoot::{ShootBuffers, shoot};
 use super::sources::Sources;
-use super::{PairTile, PairVisibility, VirtualLights, Visibility, VisibilityStats, VplSettings};
+use super::sphere_visibility::SphereVisibility;
+use super::{
+    ChosenRays, PairTile, PairVisibility, VirtualLights, Visibility, VisibilityStats, VplSettings,
+};
 use crate::Indirect;
 use crate::frame_shading::FrameShading;
 use crate::lightcuts::{CutVisibility, Exact, Open, PastSpheres};
@@ -113,22 +117,26 @@ impl IndirectLight {
     }
 
     /// Gathers light at the points of `runs`; what arrives is left as `lit` of each run, one entry
-    /// a point.
+    /// a point. `sample_idx` counts the samples of a pixel.
     pub(crate) fn gather(
         &mut self,
         engine: &mut dyn RayEngine,
-        indirect: &Indirect,
+        (indirect, sample_idx): (&Indirect, u32),
         runs: &mut [ShadedRun],
         stats: &mut FrameStats,
     ) {
         let stopwatch = Stopwatch::start();
         let gathered = match *indirect {
             Indirect::Off => return,
+            Indirect::Vpl(VplSettings { chosen: Some(chosen), visibility, .. }) => {
+                self.gather_chosen(engine, visibility, (chosen, sample_idx), runs, stats)
+            }
             Indirect::Vpl(settings) => self.gather_all(engine, settings.visibility, runs, stats),
             Indirect::Lightcuts { lights, error_bound } => {
                 self.gather_by_cuts(engine, lights.visibility, error_bound, runs, stats)
             }
         };
+        stats.rays.shadow += gathered.visibility.rays;
         stats.indirect.visibility += gathered.visibility;
         stats.indirect.gathered += gathered.gathered;
         stats.indirect.clamped += gathered.lost;
@@ -152,11 +160,35 @@ impl IndirectLight {
                 let mut exact = ExactVisibility::new(engine, &mut self.rays);
                 let gathered = gather(lights, bound, &mut exact, runs, &mut self.gather);
                 stats.trace += exact.trace;
-                stats.rays.shadow += gathered.visibility.rays;
                 gathered
             }
             _ => gather(lights, bound, &mut Unhindered, runs, &mut self.gather),
         }
+    }
+
+    /// From all lights, with few rays that correct a guess.
+    fn gather_chosen(
+        &mut self,
+        engine: &mut dyn RayEngine,
+        visibility: Visibility,
+        chosen: (ChosenRays, u32),
+        runs: &mut [ShadedRun],
+        stats: &mut FrameStats,
+    ) -> GatherStats {
+        let mut past_spheres;
+        let guess: &mut dyn PairVisibility = match (visibility, &self.spheres) {
+            (Visibility::Spheres(_), Some(spheres)) => {
+                past_spheres = SphereVisibility::new(spheres.scene.tree());
+                &mut past_spheres
+            }
+            _ => &mut Unhindered,
+        };
+        let mut exact = ExactVisibility::new(engine, &mut self.rays);
+        let mut eyes = Eyes { guess, exact: &mut exact };
+        let (lights, bound) = (&self.lights, self.bound);
+        let gathered = gather_chosen(lights, bound, chosen, &mut eyes, runs, &mut self.gather);
+        stats.trace += exact.trace;
+        gathered
     }
 
     /// From clusters of lights.

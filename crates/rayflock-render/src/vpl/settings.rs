@@ -17,6 +17,31 @@ pub struct VplSettings {
     /// values take bright spots from corners, and light with them; infinity takes nothing. The
     /// bound grows with the lights, so the error vanishes.
     pub bound: f32,
+    /// Whether few shadow rays a point stand for all: noise in place of time. Then `visibility`, if
+    /// it is not exact, is only a guess that the rays correct.
+    pub chosen: Option<ChosenRays>,
+}
+
+/// Few shadow rays a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ChosenRays {
+    /// How many, `1..=1024`.
+    pub count: u32,
+    /// To which lights.
+    pub by: ChosenBy,
+}
+
+/// Which lights get a ray. All give the same picture in the mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ChosenBy {
+    /// All lights alike: noisy; to compare with.
+    Uniform,
+    /// In proportion to what is guessed to arrive: importance resampling.
+    Weight,
+    /// In proportion to what would arrive if nothing were in the way, to correct the guess that is
+    /// taken of all: a control variate. Best where the guess is nearly right.
+    Difference,
 }
 
 /// How visibility between points and virtual lights is found.
@@ -33,9 +58,9 @@ pub enum Visibility {
 }
 
 impl Default for VplSettings {
-    /// A thousand lights, exact visibility, and a bound that shows hardly any spots.
+    /// A thousand lights, exact visibility with all rays, and a bound that shows hardly any spots.
     fn default() -> Self {
-        Self { light_count: 1024, visibility: Visibility::Exact, bound: 1.0 }
+        Self { light_count: 1024, visibility: Visibility::Exact, bound: 1.0, chosen: None }
     }
 }
 
@@ -43,7 +68,9 @@ impl VplSettings {
     /// The same settings with every value in its range.
     pub(crate) fn clamped(&self) -> Self {
         let bound = if self.bound.is_nan() { f32::INFINITY } else { self.bound.max(0.0) };
-        Self { light_count: self.light_count.min(1 << 20), bound, ..*self }
+        let chosen =
+            self.chosen.map(|chosen| ChosenRays { count: chosen.count.clamp(1, 1024), ..chosen });
+        Self { light_count: self.light_count.min(1 << 20), bound, chosen, ..*self }
     }
 
     /// Walks that start from the lights.
