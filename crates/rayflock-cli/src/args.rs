@@ -6,6 +6,7 @@
 mod bench;
 mod convert;
 mod engine;
+mod light;
 mod sun;
 mod trace;
 
@@ -25,6 +26,9 @@ pub(crate) use bench::{
 };
 pub(crate) use convert::ConvertArguments;
 pub(crate) use engine::EngineChoice;
+pub(crate) use light::{
+    ChoiceArgument, IndirectArgument, Integrator, LightArguments, VisibilityArgument,
+};
 pub(crate) use sun::{Per, SidesArgument, SunArguments};
 pub(crate) use trace::TraceArguments;
 
@@ -57,6 +61,8 @@ Examples:
   rayflock render fox.glb -o out/ --resume                 goes on where it was stopped
   rayflock render builtin:museum7 --stats s.json --plot s.svg -o museum.mp4
   rayflock render builtin:museum7 --frames 0..9 --trace t.json -o out/   what takes the time
+  rayflock render builtin:cornell --indirect vpl --vpls 400 -o cornell.png   light that colours
+  rayflock render builtin:cornell --integrator path --spp 256 -o paths.png   all light, slowly
 
 Exit codes: 0 done; 1 the output failed; 2 arguments or input are wrong; 130 stopped by Ctrl-C.";
 
@@ -180,15 +186,19 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "WxH", default_value = "640x360")]
     pub(crate) size: Size,
 
-    /// Samples a pixel: more make edges smoother and cost as much more time.
-    #[arg(long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u32).range(1..=65_536))]
-    pub(crate) spp: u32,
+    /// Samples a pixel: more make edges smoother, take noise away, and cost as much more time
+    /// [default: 1, and 64 for --integrator path].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub(crate) spp: Option<u32>,
 
-    /// How often a ray may be mirrored or refracted.
-    #[arg(long, value_name = "N", default_value_t = 5,
-          value_parser = clap::value_parser!(u32).range(0..=32))]
-    pub(crate) depth: u32,
+    /// How often a ray may be mirrored or refracted, or turn at all for --integrator path
+    /// [default: 5, and 32 for path].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=32))]
+    pub(crate) depth: Option<u32>,
+
+    /// How light is found.
+    #[command(flatten)]
+    pub(crate) light: LightArguments,
 
     /// The camera, by name [default: the scene's first, else one that frames the whole motion].
     #[arg(long, value_name = "NAME")]

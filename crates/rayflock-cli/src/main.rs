@@ -13,6 +13,7 @@ mod frames;
 mod input;
 mod interrupt;
 mod journal;
+mod light_plan;
 mod output;
 mod plan;
 mod plot;

@@ -13,11 +13,12 @@ use rayflock::render::{RenderSettings, View};
 use rayflock::scene::{Evaluator, Scene, SceneFrame, frame_bounds};
 use rayflock_bench::EngineSpec;
 
-use crate::args::RenderArguments;
+use crate::args::{Integrator, RenderArguments};
 use crate::failure::{Blame, Failure};
 use crate::frames::FrameRange;
 use crate::input::Input;
 use crate::journal::Settings;
+use crate::light_plan::{indirect_text, plan_indirect};
 use crate::output::{Look, Target, atomic};
 use crate::plot::PlotFile;
 use crate::size::Size;
@@ -37,6 +38,8 @@ pub(crate) struct RenderPlan {
     pub(crate) fps: f64,
     /// The size of the pictures.
     pub(crate) size: Size,
+    /// What pictures are made of.
+    pub(crate) integrator: Integrator,
     /// How frames are rendered.
     pub(crate) settings: RenderSettings,
     /// How light becomes colour.
@@ -102,6 +105,9 @@ impl RenderPlan {
         let plot = args.plot.as_deref().map(PlotFile::new).transpose().blame_input()?;
         check_edges(&target, args.size).blame_input()?;
         check_explained(args).blame_input()?;
+        let indirect = plan_indirect(&args.light).blame_input()?;
+        let integrator = args.light.integrator;
+        let (depth, samples) = integrator.default_depth_and_samples();
 
         let input = Input::open_at(&args.input, args.fps).blame_input()?;
         let clip = args.clip.as_deref();
@@ -117,9 +123,12 @@ impl RenderPlan {
             frames,
             fps,
             size: args.size,
+            integrator,
             settings: RenderSettings {
-                samples_per_pixel: args.spp,
-                depth: args.depth,
+                samples_per_pixel: args.spp.unwrap_or(samples),
+                depth: args.depth.unwrap_or(depth),
+                indirect,
+                shown: args.light.view,
                 ..RenderSettings::default()
             },
             look: Look { exposure: args.exposure, tone_map: args.tone_map },
@@ -168,6 +177,9 @@ impl RenderPlan {
             ("--size", self.size.to_string()),
             ("--spp", self.settings.samples_per_pixel.to_string()),
             ("--depth", self.settings.depth.to_string()),
+            ("--integrator", self.integrator.name().to_owned()),
+            ("--indirect", indirect_text(&self.settings.indirect)),
+            ("--view", self.settings.shown.to_string()),
             ("--camera", camera),
             ("--clip", clip),
             ("--exposure", self.look.exposure.to_string()),

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Context;
 use rayflock::engine::{CommitStats, Fact, RayEngine};
-use rayflock::render::{Film, FrameRenderer, FrameStats, WhittedRenderer};
+use rayflock::render::{Film, FrameRenderer, FrameStats};
 use rayflock::scene::Evaluator;
 use tracing::debug_span;
 
@@ -22,7 +22,7 @@ use crate::stats::{FrameRecord, RayRecord};
 pub(crate) struct Session {
     plan: RenderPlan,
     evaluator: Evaluator,
-    renderer: WhittedRenderer,
+    renderer: Box<dyn FrameRenderer>,
     film: Film,
 }
 
@@ -30,7 +30,7 @@ impl Session {
     /// Nothing is rendered yet.
     pub(crate) fn new(plan: RenderPlan, engine: Box<dyn RayEngine>) -> Self {
         let evaluator = plan.evaluator.clone();
-        let renderer = WhittedRenderer::new(engine);
+        let renderer = plan.integrator.renderer(engine);
         let film = Film::new(plan.size.width as usize, plan.size.height as usize);
         Self { plan, evaluator, renderer, film }
     }
@@ -139,6 +139,7 @@ fn record(
         shadow: stats.rays.shadow,
         mirror: stats.rays.mirror,
         refraction: stats.rays.refraction,
+        indirect: stats.rays.indirect,
     };
     FrameRecord {
         frame,
@@ -148,7 +149,13 @@ fn record(
         update_ms: times.update_ms,
         trace_ms: milliseconds(stats.trace_seconds),
         shade_ms: milliseconds(stats.shade_seconds),
+        shoot_ms: milliseconds(stats.indirect.shoot_seconds),
+        gather_ms: milliseconds(stats.indirect.gather_seconds),
+        fit_ms: milliseconds(stats.indirect.fit_seconds),
+        spheres: stats.indirect.spheres,
         total_ms: times.total_ms,
+        vpls: stats.indirect.lights,
+        clamped: stats.indirect.clamped_share(),
         rays,
         cone_tests: stats.trace.cone_tests,
         box_tests: stats.trace.box_tests,

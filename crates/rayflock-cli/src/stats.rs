@@ -28,8 +28,26 @@ pub(crate) struct FrameRecord {
     pub(crate) trace_ms: f64,
     /// Everything else the renderer does.
     pub(crate) shade_ms: f64,
+    /// Leaving virtual lights; a part of what tracing and the rest took.
+    #[serde(default)]
+    pub(crate) shoot_ms: f64,
+    /// Gathering their light; likewise a part.
+    #[serde(default)]
+    pub(crate) gather_ms: f64,
+    /// Bringing spheres to where the geometry is; likewise a part.
+    #[serde(default)]
+    pub(crate) fit_ms: f64,
+    /// Spheres that stand for the geometry.
+    #[serde(default)]
+    pub(crate) spheres: u64,
     /// From the first step to the finished film, files not included.
     pub(crate) total_ms: f64,
+    /// Virtual lights.
+    #[serde(default)]
+    pub(crate) vpls: u64,
+    /// The share of the light of virtual lights that the bound kept away.
+    #[serde(default)]
+    pub(crate) clamped: f64,
     /// Rays by kind.
     pub(crate) rays: RayRecord,
     /// Cone tests.
@@ -71,6 +89,9 @@ pub(crate) struct RayRecord {
     pub(crate) mirror: u64,
     /// Refracted.
     pub(crate) refraction: u64,
+    /// Turned by chance, and walks from lights.
+    #[serde(default)]
+    pub(crate) indirect: u64,
 }
 
 /// A whole render.

@@ -2,6 +2,7 @@
 
 use rayflock_scene::Background;
 
+use crate::Shown;
 use crate::vpl::VplSettings;
 
 /// How a frame is rendered. Values out of range are taken as the nearest one in range.
@@ -18,6 +19,8 @@ pub struct RenderSettings {
     pub light_samples: u32,
     /// How light is found that was scattered before; the path tracer finds it anyhow.
     pub indirect: Indirect,
+    /// What the pixels tell; the path tracer shows nothing but light.
+    pub shown: Shown,
     /// What rays that hit nothing see, instead of what the scene says.
     pub background: Option<Background>,
     /// How many rays are traced together at most, `1..=2^24`, but at least one row of pixels.
@@ -77,6 +80,7 @@ impl Default for RenderSettings {
             shadows: true,
             light_samples: 4,
             indirect: Indirect::Off,
+            shown: Shown::Light,
             background: None,
             batch_rays: 1 << 19,
         }

@@ -18,11 +18,13 @@
 pub(crate) mod accumulate;
 pub(crate) mod camera_rays;
 pub(crate) mod group_rays;
+pub(crate) mod light_dots;
 pub(crate) mod mirror_rays;
 pub(crate) mod refraction_rays;
 pub(crate) mod scatter_paths;
 pub(crate) mod shade_surface;
 pub(crate) mod shadow_rays;
+pub(crate) mod show;
 
 /// Rays that one task shades.
 pub(crate) const RUN: usize = 2048;

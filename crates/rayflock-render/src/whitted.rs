@@ -29,12 +29,14 @@ use crate::shading::background::{self, DEFAULT_SKY};
 use crate::stages::accumulate::BandSums;
 use crate::stages::camera_rays::{TILE, camera_rays};
 use crate::stages::group_rays::group_rays;
+use crate::stages::light_dots::light_dots;
 use crate::stages::shade_surface::{Surroundings, shade_surface};
 use crate::stages::shadow_rays::{ShadowTarget, shadow_batch, shadow_rays};
+use crate::stages::show::{count_rays, count_shadow_rays, show_surface};
 use crate::stats::Stopwatch;
 use crate::vpl::indirect::IndirectLight;
 use crate::wave::{ShadedRun, ShadowWave, Wave};
-use crate::{Film, FrameRenderer, FrameStats, Indirect, RenderError, RenderSettings, View};
+use crate::{Film, FrameRenderer, FrameStats, Indirect, RenderError, RenderSettings, Shown, View};
 
 /// Renders frames in whole batches of rays over any engine.
 #[derive(Debug)]
@@ -75,6 +77,8 @@ struct Picture<'a> {
     settings: RenderSettings,
     surroundings: Surroundings<'a>,
     lights: Vec<LightKind>,
+    /// Of the bounds of the geometry.
+    diagonal: f32,
 }
 
 impl WhittedRenderer {
@@ -117,7 +121,8 @@ impl FrameRenderer for WhittedRenderer {
             self.buffers.spare.push(wave);
             return stats;
         };
-        let picture = Picture::new(frame, view, settings);
+        let diagonal = self.bounds.size().length();
+        let picture = Picture::new(frame, diagonal, view, settings);
         let stopwatch = Stopwatch::start();
         let (size, dropped_before) = ((film.width(), film.height()), self.buffers.sums.dropped());
         let mut stats = FrameStats::default();
@@ -132,6 +137,9 @@ impl FrameRenderer for WhittedRenderer {
             picture.render_band(&mut tracer, view, size, &rows);
             let pixels = &mut film.pixels_mut()[rows.start * size.0..rows.end * size.0];
             tracer.buffers.sums.write(picture.settings.samples_per_pixel, pixels);
+        }
+        if picture.settings.shown == Shown::Vpls {
+            light_dots(&mut *self.engine, self.indirect.lights(), view, film);
         }
         stats.dropped = self.buffers.sums.dropped() - dropped_before;
         stats.shade_seconds = (stopwatch.seconds() - stats.trace_seconds).max(0.0);
@@ -184,7 +192,7 @@ pub(crate) fn render_background(
 }
 
 impl<'a> Picture<'a> {
-    fn new(frame: &'a FrameShading, view: &View, settings: RenderSettings) -> Self {
+    fn new(frame: &'a FrameShading, diagonal: f32, view: &View, settings: RenderSettings) -> Self {
         let sky_lights = frame.lights.are_missing();
         let lights = if sky_lights {
             vec![key_light(&view.world_from_camera)]
@@ -199,12 +207,16 @@ impl<'a> Picture<'a> {
             indirect: settings.indirect != Indirect::Off,
             depth: settings.depth,
         };
-        Self { settings, surroundings, lights }
+        Self { settings, surroundings, lights, diagonal }
     }
 
     /// Leaves virtual lights, if light comes from them.
     fn shoot(&self, bounds: &Aabb, tracer: &mut Tracer<'_>) {
-        if let Some(settings) = self.settings.indirect.lights() {
+        let shows_light =
+            matches!(self.settings.shown, Shown::Light | Shown::Indirect | Shown::Vpls);
+        if let Some(settings) = self.settings.indirect.lights()
+            && shows_light
+        {
             let frame = self.surroundings.frame;
             let shining = (&self.lights[..], self.surroundings.background);
             let Tracer { engine, indirect, stats, .. } = tracer;
@@ -247,8 +259,29 @@ impl<'a> Picture<'a> {
         drop(span);
         stats.trace_seconds += stopwatch.seconds();
 
+        let shown = self.settings.shown;
+        if matches!(shown, Shown::Normals | Shown::Depth) {
+            let (frame, diagonal) = (self.surroundings.frame, self.diagonal);
+            let Buffers { hits, runs, sums, .. } = &mut **buffers;
+            show_surface((shown, diagonal), frame, wave, hits, runs);
+            sums.add_unshadowed(runs);
+            return;
+        }
         shade_surface(&self.surroundings, wave, &buffers.hits, &mut buffers.runs);
-        buffers.sums.add_unshadowed(&buffers.runs);
+        if shown == Shown::Cost {
+            count_rays(wave, &mut buffers.runs);
+        }
+        if shown != Shown::Indirect {
+            buffers.sums.add_unshadowed(&buffers.runs);
+            self.light_directly(sample_idx, tracer);
+        }
+        if self.settings.indirect != Indirect::Off && shown != Shown::Cost {
+            tracer.gather(&self.settings.indirect, sample_idx);
+        }
+    }
+
+    /// Adds what lights and emitters send to the points of the current wave.
+    fn light_directly(&self, sample_idx: u32, tracer: &mut Tracer<'_>) {
         for light in &self.lights {
             self.light(ShadowTarget::Light(light), tracer);
         }
@@ -260,9 +293,6 @@ impl<'a> Picture<'a> {
                 let target = ShadowTarget::Emitters { emitters, sample_idx, sample_count };
                 self.light(target, tracer);
             }
-        }
-        if self.settings.indirect != Indirect::Off {
-            tracer.gather(&self.settings.indirect, sample_idx);
         }
     }
 
@@ -281,6 +311,10 @@ impl<'a> Picture<'a> {
             drop(span);
             stats.trace_seconds += stopwatch.seconds();
             stats.rays.shadow += count as u64;
+        }
+        if self.settings.shown == Shown::Cost {
+            count_shadow_rays(&mut buffers.runs);
+            buffers.occluded.fill(false);
         }
         buffers.sums.add_lit(&buffers.runs, &buffers.occluded);
     }

@@ -17,13 +17,14 @@
 //! **Cost**: 4 bytes a pair of a tile; two passes over all pairs of points and lights, besides
 //! visibility.
 
+use std::f32::consts::FRAC_1_PI;
 use std::ops::Range;
 
 use glam::Vec3;
 use rayon::prelude::*;
 use tracing::debug_span;
 
-use super::{PairTile, PairVisibility, VirtualLights, VisibilityStats};
+use super::{PairTile, PairVisibility, VirtualLight, VirtualLights, VisibilityStats};
 use crate::shading::scatter::reflected;
 use crate::wave::{Contribution, LitPoint, ShadedRun};
 
@@ -130,12 +131,23 @@ pub(super) fn face(tile: &PairTile<'_>, lots: &[Lot<'_>], shares: &mut Vec<f32>)
     shares.resize(tile.len(), 0.0);
     let rows = shares.par_chunks_mut(tile.points.len().max(1)).enumerate();
     rows.for_each(|(row, shares)| {
+        let light_idx = tile.range.start + row;
+        let (light, is_distant) = (tile.lights.get(light_idx), tile.lights.is_distant(light_idx));
         let points = lots.iter().flat_map(|lot| lot.points);
         for (share, point) in shares.iter_mut().zip(points) {
-            let pair = Pair::new(tile.lights, tile.range.start + row, point);
-            *share = if pair.geometry() > 0.0 { 1.0 } else { 0.0 };
+            *share = if faces(&light, is_distant, point) { 1.0 } else { 0.0 };
         }
     });
+}
+
+/// Whether light of `light` can reach `point` from above both their surfaces.
+#[inline]
+fn faces(light: &VirtualLight, is_distant: bool, point: &LitPoint) -> bool {
+    if is_distant {
+        return point.normal.dot(light.position) > 0.0;
+    }
+    let offset = light.position - point.shadow_position;
+    point.normal.dot(offset) > 0.0 && (light.evenness > 0.0 || light.normal.dot(offset) < 0.0)
 }
 
 /// Adds the light of a tile to its points; returns what the bound kept away.
@@ -175,6 +187,9 @@ pub(super) fn arriving(
     point: &LitPoint,
     bound: f32,
 ) -> (Vec3, f32) {
+    if point.specular == Vec3::ZERO && lights.plain().contains(&light_idx) {
+        return arriving_matte(&lights.get(light_idx), point, bound);
+    }
     let pair = Pair::new(lights, light_idx, point);
     let LitPoint { diffuse, specular, shininess, normal, to_viewer, .. } = *point;
     let sent_back = reflected(diffuse, specular, shininess, normal, to_viewer, pair.to_light);
@@ -189,6 +204,22 @@ pub(super) fn arriving(
     }
     let radiance = unbounded * (bound / geometry);
     (radiance, (unbounded - radiance).element_sum())
+}
+
+/// The same for what most pairs are: a plain light and a matte point. No root is taken where the
+/// light has a normal.
+#[inline]
+fn arriving_matte(light: &VirtualLight, point: &LitPoint, bound: f32) -> (Vec3, f32) {
+    let offset = light.position - point.shadow_position;
+    let squared = offset.length_squared();
+    let mut along = -light.normal.dot(offset);
+    if light.evenness > 0.0 {
+        along += light.evenness * squared.sqrt();
+    }
+    let geometry = point.normal.dot(offset).max(0.0) * along.max(0.0) / (squared * squared);
+    let sent_back = point.diffuse * light.intensity * FRAC_1_PI;
+    let beyond = (geometry - bound).max(0.0) * sent_back.element_sum();
+    (sent_back * geometry.min(bound), beyond)
 }
 
 /// A point and a light.

@@ -64,6 +64,11 @@ impl IndirectLight {
         self.spheres.iter_mut().for_each(|spheres| spheres.is_current = false);
     }
 
+    /// The lights.
+    pub(crate) const fn lights(&self) -> &VirtualLights {
+        &self.lights
+    }
+
     /// Shoots virtual lights, unless those of the last picture are still right.
     pub(crate) fn shoot(
         &mut self,

@@ -4,4 +4,5 @@ mod agreement;
 mod common;
 mod light;
 mod paths;
+mod shown;
 mod virtual_lights;

@@ -1,0 +1,209 @@
+//! From what is asked about light to how a frame is rendered.
+
+use anyhow::{Result, ensure};
+use rayflock::engine::RayEngine;
+use rayflock::render::lightcuts::CutSettings;
+use rayflock::render::occluders::SphereSettings;
+use rayflock::render::vpl::{ChosenBy, ChosenRays, Visibility, VplSettings};
+use rayflock::render::{FrameRenderer, Indirect, PathTracer, Shown, WhittedRenderer};
+
+use crate::args::{
+    ChoiceArgument, IndirectArgument, Integrator, LightArguments, VisibilityArgument,
+};
+
+/// Turns that paths take at most: light fades long before.
+const PATH_DEPTH: u32 = 32;
+/// Samples a pixel of paths: enough to see what is there.
+const PATH_SAMPLES: u32 = 64;
+
+impl Integrator {
+    /// A renderer of this kind that traces with `engine`.
+    pub(crate) fn renderer(self, engine: Box<dyn RayEngine>) -> Box<dyn FrameRenderer> {
+        match self {
+            Self::Whitted => Box::new(WhittedRenderer::new(engine)),
+            Self::Path => Box::new(PathTracer::new(engine)),
+        }
+    }
+
+    /// Turns and samples a pixel where none are asked for.
+    pub(crate) const fn default_depth_and_samples(self) -> (u32, u32) {
+        match self {
+            Self::Whitted => (5, 1),
+            Self::Path => (PATH_DEPTH, PATH_SAMPLES),
+        }
+    }
+
+    /// The name on the command line.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Whitted => "whitted",
+            Self::Path => "path",
+        }
+    }
+}
+
+/// How indirect light is found, if what is asked fits together.
+pub(crate) fn plan_indirect(args: &LightArguments) -> Result<Indirect> {
+    let defaults = VplSettings::default();
+    let of_vpls = [
+        ("--vpls", args.vpls.is_some()),
+        ("--visibility", args.visibility.is_some()),
+        ("--vpl-rays", args.vpl_rays.is_some()),
+        ("--vpl-bound", args.vpl_bound.is_some()),
+        ("--spheres", args.spheres.is_some()),
+        ("--error-bound", args.error_bound.is_some()),
+    ];
+    check_view(args)?;
+    match args.indirect {
+        IndirectArgument::Off => {
+            for (option, is_there) in of_vpls {
+                ensure!(!is_there, "{option} is about virtual lights: it needs --indirect vpl");
+            }
+            Ok(Indirect::Off)
+        }
+        IndirectArgument::Vpl | IndirectArgument::Lightcuts => {
+            ensure!(
+                args.integrator == Integrator::Whitted,
+                "--indirect vpl needs --integrator whitted: path finds such light by itself"
+            );
+            let visibility = match args.visibility {
+                None | Some(VisibilityArgument::Exact) => Visibility::Exact,
+                Some(VisibilityArgument::None) => Visibility::None,
+                Some(VisibilityArgument::Spheres) => Visibility::Spheres(spheres(args)),
+            };
+            ensure!(
+                args.spheres.is_none() || matches!(visibility, Visibility::Spheres(_)),
+                "--spheres needs --visibility spheres"
+            );
+            let lights = VplSettings {
+                light_count: args.vpls.unwrap_or(defaults.light_count),
+                visibility,
+                chosen: args.vpl_rays.map(|count| ChosenRays { count, by: chosen_by(args) }),
+                bound: args.vpl_bound.unwrap_or(defaults.bound),
+            };
+            plan_cuts(args, lights)
+        }
+    }
+}
+
+/// All lights, or clusters of them.
+fn plan_cuts(args: &LightArguments, lights: VplSettings) -> Result<Indirect> {
+    if args.indirect == IndirectArgument::Vpl {
+        ensure!(args.error_bound.is_none(), "--error-bound needs --indirect lightcuts");
+        return Ok(Indirect::Vpl(lights));
+    }
+    ensure!(lights.chosen.is_none(), "--vpl-rays needs --indirect vpl: cuts choose lights already");
+    let error_bound = args.error_bound.unwrap_or(CutSettings::default().error_bound);
+    Ok(Indirect::Lightcuts { lights, error_bound })
+}
+
+fn spheres(args: &LightArguments) -> SphereSettings {
+    let default = SphereSettings::default();
+    SphereSettings { count: args.spheres.map_or(default.count, |count| count as usize) }
+}
+
+/// Only what is rendered can be shown.
+fn check_view(args: &LightArguments) -> Result<()> {
+    let view = args.view;
+    if view != Shown::Light {
+        ensure!(
+            args.integrator == Integrator::Whitted,
+            "--view {view} needs --integrator whitted: path shows nothing but light"
+        );
+    }
+    if matches!(view, Shown::Indirect | Shown::Vpls) {
+        ensure!(
+            args.indirect != IndirectArgument::Off,
+            "--view {view} is about virtual lights: it needs --indirect vpl"
+        );
+    }
+    Ok(())
+}
+
+fn chosen_by(args: &LightArguments) -> ChosenBy {
+    match args.vpl_choice {
+        Some(ChoiceArgument::Uniform) => ChosenBy::Uniform,
+        Some(ChoiceArgument::Difference) => ChosenBy::Difference,
+        None | Some(ChoiceArgument::Weight) => ChosenBy::Weight,
+    }
+}
+
+/// What decides about indirect light, in words.
+pub(crate) fn indirect_text(indirect: &Indirect) -> String {
+    match indirect {
+        Indirect::Vpl(VplSettings { light_count, visibility, bound, chosen }) => {
+            let rays = chosen.map_or_else(
+                || "all rays".to_owned(),
+                |chosen| format!("{} rays by {:?}", chosen.count, chosen.by),
+            );
+            format!("vpl, {light_count} lights, visibility {visibility:?}, {rays}, bound {bound}")
+        }
+        Indirect::Lightcuts {
+            lights: VplSettings { light_count, visibility, bound, .. },
+            error_bound,
+        } => {
+            format!(
+                "lightcuts, {light_count} lights, visibility {visibility:?}, bound {bound}, \
+                 error bound {error_bound}"
+            )
+        }
+        _ => "off".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        light: LightArguments,
+    }
+
+    fn planned(line: &str) -> Result<Indirect> {
+        let words = std::iter::once("rayflock").chain(line.split_whitespace());
+        plan_indirect(&Line::try_parse_from(words)?.light)
+    }
+
+    #[test]
+    fn what_is_asked_of_virtual_lights_is_what_is_rendered() {
+        assert_eq!(planned("").unwrap(), Indirect::Off);
+        assert_eq!(planned("--indirect vpl").unwrap(), Indirect::Vpl(VplSettings::default()));
+        let asked = planned("--indirect vpl --vpls 7 --visibility none --vpl-bound inf").unwrap();
+        let (visibility, bound) = (Visibility::None, f32::INFINITY);
+        let expected = VplSettings { light_count: 7, visibility, bound, chosen: None };
+        assert_eq!(asked, Indirect::Vpl(expected));
+        let few = planned("--indirect vpl --vpl-rays 4 --vpl-choice difference").unwrap();
+        let chosen = Some(ChosenRays { count: 4, by: ChosenBy::Difference });
+        assert_eq!(few, Indirect::Vpl(VplSettings { chosen, ..VplSettings::default() }));
+        let visibility = Visibility::Spheres(SphereSettings { count: 99 });
+        let lights = VplSettings { visibility, ..VplSettings::default() };
+        let line = "--visibility spheres --spheres 99";
+        assert_eq!(planned(&format!("--indirect vpl {line}")).unwrap(), Indirect::Vpl(lights));
+        let cuts = planned(&format!("--indirect lightcuts --error-bound 0.1 {line}")).unwrap();
+        assert_eq!(cuts, Indirect::Lightcuts { lights, error_bound: 0.1 });
+    }
+
+    #[test]
+    fn what_does_not_fit_together_is_told() {
+        let error = planned("--vpls 7").unwrap_err().to_string();
+        assert_eq!(error, "--vpls is about virtual lights: it needs --indirect vpl");
+        let error = planned("--integrator path --indirect vpl").unwrap_err().to_string();
+        assert!(error.starts_with("--indirect vpl needs --integrator whitted"), "{error}");
+        assert!(planned("--indirect vpl --vpl-bound -1").is_err());
+        let error = planned("--indirect vpl --spheres 9").unwrap_err().to_string();
+        assert_eq!(error, "--spheres needs --visibility spheres");
+        let error = planned("--indirect vpl --error-bound 0.1").unwrap_err().to_string();
+        assert_eq!(error, "--error-bound needs --indirect lightcuts");
+        assert!(planned("--indirect lightcuts --error-bound 2").is_err());
+        let error = planned("--indirect lightcuts --vpl-rays 4").unwrap_err().to_string();
+        assert!(error.starts_with("--vpl-rays needs --indirect vpl"), "{error}");
+        let error = planned("--view vpls").unwrap_err().to_string();
+        assert_eq!(error, "--view vpls is about virtual lights: it needs --indirect vpl");
+        let error = planned("--view depth --integrator path").unwrap_err().to_string();
+        assert!(error.contains("path shows nothing but light"), "{error}");
+    }
+}
