@@ -6,6 +6,7 @@
 //! | [`museum`] | you want to know what whole pictures of an animation cost with each engine |
 //! | [`scene`] | you want to know what rays of each kind cost over an animation |
 //! | [`scaling`] | you want to know how cost grows with triangles, rays and threads |
+//! | [`spheres`] | you want to know what spheres in place of geometry save and cost in indirect light |
 //! | [`contest`] | you have work of your own and want engines measured on it |
 //! | [`EngineSpec`], [`peer`] | you want another engine than ours |
 //! | [`record`] | you keep or compare what was measured |
@@ -59,6 +60,7 @@ pub mod record;
 pub mod report;
 pub mod scaling;
 pub mod scene;
+pub mod spheres;
 pub mod table;
 mod text;
 pub mod work;

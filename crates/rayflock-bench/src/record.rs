@@ -22,7 +22,7 @@ const COMMIT: &str = git_version::git_version!(
 /// Everything measured in one run of a benchmark.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// Which benchmark: `map`, `scene`, `museum`, `scaling`.
+    /// Which benchmark: `map`, `scene`, `museum`, `scaling`, `spheres`.
     pub benchmark: String,
     /// What it ran on.
     pub machine: Machine,

@@ -21,6 +21,7 @@ mod museum;
 mod page;
 mod scaling;
 mod scene;
+mod spheres;
 #[cfg(test)]
 mod tests;
 mod times;
@@ -41,6 +42,7 @@ pub fn html(record: &Record) -> Result<String, BenchError> {
         "museum" => museum::sections(record)?,
         "scaling" => scaling::sections(record)?,
         "scene" => scene::sections(record),
+        "spheres" => spheres::sections(record)?,
         _ => map::sections(record),
     };
     Ok(page::page(record, &content).into_string())

@@ -7,7 +7,7 @@ use comfy_table::{CellAlignment, Table, presets};
 
 use crate::record::{Cell, Counters, Phase, Record};
 use crate::text::short;
-use crate::{map, scaling};
+use crate::{map, scaling, spheres};
 
 const HEADER: [&str; 9] = [
     "frame",
@@ -26,6 +26,7 @@ pub fn format(record: &Record) -> String {
     match record.benchmark.as_str() {
         "museum" => pictures(record),
         "scaling" => scaling::format(record),
+        "spheres" => spheres::format(record),
         _ => map::format(record),
     }
 }

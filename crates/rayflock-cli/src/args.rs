@@ -24,8 +24,8 @@ use crate::size::Size;
 
 pub(crate) use bench::{
     BenchArguments, BenchCommand, BenchCompareArguments, BenchMapArguments, BenchMuseumArguments,
-    BenchReportArguments, BenchScalingArguments, BenchSceneArguments, EngineArguments,
-    OutputArguments,
+    BenchReportArguments, BenchScalingArguments, BenchSceneArguments, BenchSpheresArguments,
+    EngineArguments, OutputArguments,
 };
 pub(crate) use convert::ConvertArguments;
 pub(crate) use engine::EngineChoice;

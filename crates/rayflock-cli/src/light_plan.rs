@@ -2,6 +2,8 @@
 
 use anyhow::{Result, ensure};
 use rayflock::engine::RayEngine;
+use rayflock::render::lightcuts::CutSettings;
+use rayflock::render::occluders::SphereSettings;
 use rayflock::render::vpl::{ChosenBy, ChosenRays, Visibility, VplSettings};
 use rayflock::render::{FrameRenderer, Indirect, PathTracer, Shown, WhittedRenderer};
 
@@ -48,6 +50,8 @@ pub(crate) fn plan_indirect(args: &LightArguments) -> Result<Indirect> {
         ("--visibility", args.visibility.is_some()),
         ("--vpl-rays", args.vpl_rays.is_some()),
         ("--vpl-bound", args.vpl_bound.is_some()),
+        ("--spheres", args.spheres.is_some()),
+        ("--error-bound", args.error_bound.is_some()),
     ];
     check_view(args)?;
     match args.indirect {
@@ -57,7 +61,7 @@ pub(crate) fn plan_indirect(args: &LightArguments) -> Result<Indirect> {
             }
             Ok(Indirect::Off)
         }
-        IndirectArgument::Vpl => {
+        IndirectArgument::Vpl | IndirectArgument::Lightcuts => {
             ensure!(
                 args.integrator == Integrator::Whitted,
                 "--indirect vpl needs --integrator whitted: path finds such light by itself"
@@ -65,15 +69,37 @@ pub(crate) fn plan_indirect(args: &LightArguments) -> Result<Indirect> {
             let visibility = match args.visibility {
                 None | Some(VisibilityArgument::Exact) => Visibility::Exact,
                 Some(VisibilityArgument::None) => Visibility::None,
+                Some(VisibilityArgument::Spheres) => Visibility::Spheres(spheres(args)),
             };
-            Ok(Indirect::Vpl(VplSettings {
+            ensure!(
+                args.spheres.is_none() || matches!(visibility, Visibility::Spheres(_)),
+                "--spheres needs --visibility spheres"
+            );
+            let lights = VplSettings {
                 light_count: args.vpls.unwrap_or(defaults.light_count),
                 visibility,
                 chosen: args.vpl_rays.map(|count| ChosenRays { count, by: chosen_by(args) }),
                 bound: args.vpl_bound.unwrap_or(defaults.bound),
-            }))
+            };
+            plan_cuts(args, lights)
         }
     }
+}
+
+/// All lights, or clusters of them.
+fn plan_cuts(args: &LightArguments, lights: VplSettings) -> Result<Indirect> {
+    if args.indirect == IndirectArgument::Vpl {
+        ensure!(args.error_bound.is_none(), "--error-bound needs --indirect lightcuts");
+        return Ok(Indirect::Vpl(lights));
+    }
+    ensure!(lights.chosen.is_none(), "--vpl-rays needs --indirect vpl: cuts choose lights already");
+    let error_bound = args.error_bound.unwrap_or(CutSettings::default().error_bound);
+    Ok(Indirect::Lightcuts { lights, error_bound })
+}
+
+fn spheres(args: &LightArguments) -> SphereSettings {
+    let default = SphereSettings::default();
+    SphereSettings { count: args.spheres.map_or(default.count, |count| count as usize) }
 }
 
 /// Only what is rendered can be shown.
@@ -87,7 +113,7 @@ fn check_view(args: &LightArguments) -> Result<()> {
     }
     if matches!(view, Shown::Indirect | Shown::Vpls) {
         ensure!(
-            args.indirect == IndirectArgument::Vpl,
+            args.indirect != IndirectArgument::Off,
             "--view {view} is about virtual lights: it needs --indirect vpl"
         );
     }
@@ -111,6 +137,15 @@ pub(crate) fn indirect_text(indirect: &Indirect) -> String {
                 |chosen| format!("{} rays by {:?}", chosen.count, chosen.by),
             );
             format!("vpl, {light_count} lights, visibility {visibility:?}, {rays}, bound {bound}")
+        }
+        Indirect::Lightcuts {
+            lights: VplSettings { light_count, visibility, bound, .. },
+            error_bound,
+        } => {
+            format!(
+                "lightcuts, {light_count} lights, visibility {visibility:?}, bound {bound}, \
+                 error bound {error_bound}"
+            )
         }
         _ => "off".to_owned(),
     }
@@ -144,6 +179,12 @@ mod tests {
         let few = planned("--indirect vpl --vpl-rays 4 --vpl-choice difference").unwrap();
         let chosen = Some(ChosenRays { count: 4, by: ChosenBy::Difference });
         assert_eq!(few, Indirect::Vpl(VplSettings { chosen, ..VplSettings::default() }));
+        let visibility = Visibility::Spheres(SphereSettings { count: 99 });
+        let lights = VplSettings { visibility, ..VplSettings::default() };
+        let line = "--visibility spheres --spheres 99";
+        assert_eq!(planned(&format!("--indirect vpl {line}")).unwrap(), Indirect::Vpl(lights));
+        let cuts = planned(&format!("--indirect lightcuts --error-bound 0.1 {line}")).unwrap();
+        assert_eq!(cuts, Indirect::Lightcuts { lights, error_bound: 0.1 });
     }
 
     #[test]
@@ -153,6 +194,13 @@ mod tests {
         let error = planned("--integrator path --indirect vpl").unwrap_err().to_string();
         assert!(error.starts_with("--indirect vpl needs --integrator whitted"), "{error}");
         assert!(planned("--indirect vpl --vpl-bound -1").is_err());
+        let error = planned("--indirect vpl --spheres 9").unwrap_err().to_string();
+        assert_eq!(error, "--spheres needs --visibility spheres");
+        let error = planned("--indirect vpl --error-bound 0.1").unwrap_err().to_string();
+        assert_eq!(error, "--error-bound needs --indirect lightcuts");
+        assert!(planned("--indirect lightcuts --error-bound 2").is_err());
+        let error = planned("--indirect lightcuts --vpl-rays 4").unwrap_err().to_string();
+        assert!(error.starts_with("--vpl-rays needs --indirect vpl"), "{error}");
         let error = planned("--view vpls").unwrap_err().to_string();
         assert_eq!(error, "--view vpls is about virtual lights: it needs --indirect vpl");
         let error = planned("--view depth --integrator path").unwrap_err().to_string();

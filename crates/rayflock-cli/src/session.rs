@@ -158,6 +158,8 @@ fn record(
         shade_ms: milliseconds(stats.shade_seconds),
         shoot_ms: milliseconds(stats.indirect.shoot_seconds),
         gather_ms: milliseconds(stats.indirect.gather_seconds),
+        fit_ms: milliseconds(stats.indirect.fit_seconds),
+        spheres: stats.indirect.spheres,
         total_ms: times.total_ms,
         vpls: stats.indirect.lights,
         clamped: stats.indirect.clamped_share(),

@@ -35,6 +35,12 @@ pub(crate) struct FrameRecord {
     /// Gathering their light; likewise a part.
     #[serde(default)]
     pub(crate) gather_ms: f64,
+    /// Bringing spheres to where the geometry is; likewise a part.
+    #[serde(default)]
+    pub(crate) fit_ms: f64,
+    /// Spheres that stand for the geometry.
+    #[serde(default)]
+    pub(crate) spheres: u64,
     /// From the first step to the finished film, files not included.
     pub(crate) total_ms: f64,
     /// Virtual lights.

@@ -27,6 +27,7 @@ pub mod ray_beams;
 pub mod ray_boxes;
 pub mod ray_sphere;
 pub mod ray_triangle;
+pub mod segment_spheres;
 pub mod space_curve;
 pub mod sphere_blocks;
 pub mod triangle_boxes;

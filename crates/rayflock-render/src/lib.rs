@@ -8,6 +8,8 @@
 //! | [`FrameRenderer`] | your code takes any renderer of frames |
 //! | [`tonemap`] | you show or store a [`Film`] |
 //! | [`vpl`] | you want indirect light: virtual lights, and what points see of them |
+//! | [`occluders`] | you want to know nearly, and soon, how much is in the way: spheres for geometry |
+//! | [`lightcuts`] | you have thousands of lights: clusters of them, under an error bound |
 //! | [`sun`] | you want to know for how many hours the sun shines on each face or vertex |
 //! | [`sensor`] | you simulate a LiDAR or a depth camera while the scene moves |
 //!
@@ -53,7 +55,9 @@
 mod error;
 mod film;
 mod frame_shading;
+pub mod lightcuts;
 mod lights;
+pub mod occluders;
 mod path_tracer;
 pub mod reference;
 mod renderer;

@@ -38,6 +38,14 @@ pub enum Indirect {
     /// From virtual lights, all of them at every point. Ambient light is left out; the background
     /// lights as a sky.
     Vpl(VplSettings),
+    /// From virtual lights too, but clusters of them stand for all where that makes little
+    /// difference: for many thousands of lights.
+    Lightcuts {
+        /// The lights.
+        lights: VplSettings,
+        /// No cluster may be wrong by more than this share of what a point gets, `0..=1`.
+        error_bound: f32,
+    },
 }
 
 impl Indirect {
@@ -45,6 +53,18 @@ impl Indirect {
         match self {
             Self::Off => Self::Off,
             Self::Vpl(settings) => Self::Vpl(settings.clamped()),
+            Self::Lightcuts { lights, error_bound } => Self::Lightcuts {
+                lights: lights.clamped(),
+                error_bound: if error_bound.is_nan() { 0.0 } else { error_bound.clamp(0.0, 1.0) },
+            },
+        }
+    }
+
+    /// The virtual lights, if there are any.
+    pub const fn lights(&self) -> Option<&VplSettings> {
+        match self {
+            Self::Off => None,
+            Self::Vpl(lights) | Self::Lightcuts { lights, .. } => Some(lights),
         }
     }
 }

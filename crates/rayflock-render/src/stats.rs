@@ -2,6 +2,7 @@
 
 use rayflock_engine::TraceStats;
 
+use crate::lightcuts::CutStats;
 use crate::vpl::VisibilityStats;
 
 /// Rays by what they were traced for.
@@ -87,6 +88,12 @@ pub struct IndirectStats {
     pub shoot_seconds: f64,
     /// Time spent on gathering, visibility included, in seconds; 0 where there is no clock.
     pub gather_seconds: f64,
+    /// Spheres that stand for geometry, where visibility is asked of them.
+    pub spheres: u64,
+    /// Time spent on bringing them to where geometry is, in seconds; 0 where there is no clock.
+    pub fit_seconds: f64,
+    /// What cuts through the lights took.
+    pub cuts: CutStats,
 }
 
 impl IndirectStats {

@@ -11,6 +11,8 @@
 //! wave of points: gather: tile of points and lights: who faces whom
 //!                           -> PairVisibility: exact (engine: occluded), or none
 //!                           -> sums, cut off at the bound
+//!                 gather_past_spheres: the same without pairs, by `occluders`
+//!                 gather_by_cuts: for many thousands of lights, by `lightcuts`
 //!                 or gather_chosen (`resample`): guessed visibility chooses few lights a point,
 //!                           -> exact visibility corrects the guess
 //! ```
@@ -24,12 +26,15 @@
 
 mod exact_visibility;
 mod gather;
+mod gather_by_cuts;
+mod gather_past_spheres;
 pub(crate) mod indirect;
 mod pair_visibility;
 mod resample;
 mod settings;
 mod shoot;
 mod sources;
+mod sphere_visibility;
 mod virtual_lights;
 
 pub use pair_visibility::{PairTile, PairVisibility, VisibilityStats};

@@ -34,7 +34,6 @@ use crate::stages::shade_surface::{Surroundings, shade_surface};
 use crate::stages::shadow_rays::{ShadowTarget, shadow_batch, shadow_rays};
 use crate::stages::show::{count_rays, count_shadow_rays, show_surface};
 use crate::stats::Stopwatch;
-use crate::vpl::VplSettings;
 use crate::vpl::indirect::IndirectLight;
 use crate::wave::{ShadedRun, ShadowWave, Wave};
 use crate::{Film, FrameRenderer, FrameStats, Indirect, RenderError, RenderSettings, Shown, View};
@@ -104,7 +103,7 @@ impl FrameRenderer for WhittedRenderer {
     fn commit(&mut self, scene: &Scene, frame: &SceneFrame) -> Result<CommitStats, RenderError> {
         let _span = debug_span!("commit_frame").entered();
         self.frame = None;
-        self.indirect.invalidate();
+        self.indirect.invalidate(&frame.geometry);
         let shading = FrameShading::new(scene, frame)?;
         let stats = self.engine.commit(&frame.geometry, &frame.changes)?;
         self.frame = Some(shading);
@@ -219,13 +218,14 @@ impl<'a> Picture<'a> {
     fn shoot(&self, bounds: &Aabb, tracer: &mut Tracer<'_>) {
         let shows_light =
             matches!(self.settings.shown, Shown::Light | Shown::Indirect | Shown::Vpls);
-        if let Indirect::Vpl(settings) = &self.settings.indirect
+        if let Some(settings) = self.settings.indirect.lights()
             && shows_light
         {
             let frame = self.surroundings.frame;
             let shining = (&self.lights[..], self.surroundings.background);
             let Tracer { engine, indirect, stats, .. } = tracer;
             indirect.shoot(&mut **engine, frame, shining, bounds, settings, stats);
+            indirect.fit(settings.visibility, stats);
         }
     }
 
@@ -284,10 +284,8 @@ impl<'a> Picture<'a> {
             buffers.sums.add_unshadowed(&buffers.runs);
             self.light_directly(sample_idx, tracer);
         }
-        if let Indirect::Vpl(settings) = &self.settings.indirect
-            && shown != Shown::Cost
-        {
-            tracer.gather(settings, sample_idx);
+        if self.settings.indirect != Indirect::Off && shown != Shown::Cost {
+            tracer.gather(&self.settings.indirect, sample_idx);
         }
     }
 
@@ -336,7 +334,7 @@ impl<'a> Picture<'a> {
 
 impl Tracer<'_> {
     /// Adds what virtual lights send to the points of the current wave.
-    fn gather(&mut self, settings: &VplSettings, sample_idx: u32) {
+    fn gather(&mut self, settings: &Indirect, sample_idx: u32) {
         let Tracer { engine, indirect, buffers, stats } = self;
         let settings = (settings, sample_idx);
         indirect.gather(&mut **engine, settings, &mut buffers.runs, stats);

@@ -29,6 +29,11 @@ pub(super) fn title(record: &Record) -> (String, &'static str) {
             format!("The scene {first_scene}"),
             "What do the frames of an animation cost, by kind of ray?",
         ),
+        "spheres" => (
+            format!("Virtual lights past spheres: {first_scene}"),
+            "How much sooner is indirect light there when spheres stand for geometry, and how \
+             wrong is it?",
+        ),
         other => (other.to_owned(), "What was measured."),
     }
 }

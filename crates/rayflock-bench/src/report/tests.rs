@@ -86,7 +86,7 @@ fn skipped_and_noisy_cells_are_shown_as_such() {
 
 #[test]
 fn pages_need_nothing_from_elsewhere() {
-    for benchmark in ["map", "museum", "scene", "scaling"] {
+    for benchmark in ["map", "museum", "scene", "scaling", "spheres"] {
         let page = html(&record(benchmark)).unwrap();
         for outside in ["http:", "https:", "src=", "href=", "url(", "@import", "<script", "<link"] {
             assert!(!page.contains(outside), "{benchmark}: {outside}");
@@ -101,7 +101,7 @@ fn names_are_escaped() {
     for cell in &mut record.cells {
         cell.scene = "<b>a & b</b>.glb".to_owned();
     }
-    for benchmark in ["map", "museum", "scene", "scaling"] {
+    for benchmark in ["map", "museum", "scene", "scaling", "spheres"] {
         record.benchmark = benchmark.to_owned();
         let page = html(&record).unwrap();
         assert!(page.contains("Fast &lt;CPU&gt; &amp; "), "{benchmark}");
@@ -122,7 +122,7 @@ fn the_museum_has_curves_and_frames_a_second() {
 
 #[test]
 fn records_of_nothing_and_of_one_engine_have_pages() {
-    for benchmark in ["map", "museum", "scene", "scaling", "unknown"] {
+    for benchmark in ["map", "museum", "scene", "scaling", "spheres", "unknown"] {
         let mut record = record(benchmark);
         record.cells.retain(|cell| cell.engine == "hierarchy");
         assert!(html(&record).unwrap().contains("hierarchy"), "{benchmark}");

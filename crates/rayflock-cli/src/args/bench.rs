@@ -7,6 +7,7 @@ mod museum;
 mod output;
 mod scaling;
 mod scene;
+mod spheres;
 
 use std::path::Path;
 
@@ -19,6 +20,7 @@ pub(crate) use museum::BenchMuseumArguments;
 pub(crate) use output::OutputArguments;
 pub(crate) use scaling::BenchScalingArguments;
 pub(crate) use scene::BenchSceneArguments;
+pub(crate) use spheres::BenchSpheresArguments;
 
 /// Options of `bench`.
 #[derive(Debug, Args)]
@@ -39,6 +41,8 @@ pub(crate) enum BenchCommand {
     Scaling(BenchScalingArguments),
     /// Measure update, trace and shade time of the pictures of an animation with each engine.
     Museum(BenchMuseumArguments),
+    /// Measure what spheres in place of geometry save in indirect light, and how wrong they are.
+    Spheres(BenchSpheresArguments),
     /// Tell what has changed between two records.
     Compare(BenchCompareArguments),
     /// Make a page, tables or a spreadsheet of a record.
@@ -53,6 +57,7 @@ impl BenchCommand {
             Self::Scene(args) => args.engines.threads,
             Self::Scaling(args) => args.engines.threads,
             Self::Museum(args) => args.engines.threads,
+            Self::Spheres(args) => args.engines.threads,
             Self::Compare(_) | Self::Report(_) => None,
         }
     }
@@ -64,6 +69,7 @@ impl BenchCommand {
             Self::Scene(args) => args.trace.trace.as_deref(),
             Self::Scaling(args) => args.trace.trace.as_deref(),
             Self::Museum(args) => args.trace.trace.as_deref(),
+            Self::Spheres(args) => args.trace.trace.as_deref(),
             Self::Compare(_) | Self::Report(_) => None,
         }
     }

@@ -17,7 +17,8 @@ pub(crate) struct LightArguments {
 
     /// How whitted finds light that comes from other surfaces and the sky: off lets ambient light
     /// stand for it; vpl gathers it from virtual lights, which walks from the lights leave where
-    /// they hit.
+    /// they hit; lightcuts lets one of these speak for many where --error-bound allows, for tens of
+    /// thousands of them.
     ///
     /// Virtual lights stay where they are while nothing on their way moves, so films do not
     /// flicker there. Light that mirrors and glass throw onto rough surfaces is left out.
@@ -29,10 +30,21 @@ pub(crate) struct LightArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_048_576))]
     pub(crate) vpls: Option<u32>,
 
-    /// What points see of virtual lights: exact traces a shadow ray for each pair of both, none
+    /// What points see of virtual lights: exact traces a shadow ray for each pair of both, spheres
+    /// asks spheres that stand for the geometry, several times sooner and nearly right, none
     /// traces nothing and lets light leak through walls [default: exact].
     #[arg(long, value_name = "NAME")]
     pub(crate) visibility: Option<VisibilityArgument>,
+
+    /// About how many spheres stand for the scene, for --visibility spheres: more are nearer to
+    /// what is exact, and take longer [default: 512].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_048_576))]
+    pub(crate) spheres: Option<u32>,
+
+    /// The share of the light at a point that one virtual light may be wrong by as it speaks for
+    /// others, for --indirect lightcuts, from 0 to 1 [default: 0.02].
+    #[arg(long, value_name = "X", value_parser = parse_share)]
+    pub(crate) error_bound: Option<f32>,
 
     /// Trace so many shadow rays a point instead of one to each virtual light: noise in place of
     /// time, which --spp takes away; in the mean it is the same picture.
@@ -73,6 +85,8 @@ pub(crate) enum IndirectArgument {
     Off,
     /// From virtual lights.
     Vpl,
+    /// From clusters of them.
+    Lightcuts,
 }
 
 /// Which virtual lights get a ray.
@@ -91,6 +105,8 @@ pub(crate) enum ChoiceArgument {
 pub(crate) enum VisibilityArgument {
     /// A shadow ray each.
     Exact,
+    /// Past spheres that stand for geometry.
+    Spheres,
     /// Everything.
     None,
 }
@@ -98,6 +114,13 @@ pub(crate) enum VisibilityArgument {
 fn shown() -> impl TypedValueParser<Value = Shown> {
     PossibleValuesParser::new(Shown::ALL.map(Shown::name))
         .map(|name| Shown::ALL.into_iter().find(|shown| shown.name() == name).unwrap_or_default())
+}
+
+fn parse_share(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
+        _ => Err("expected a number from 0 to 1, such as 0.02".to_owned()),
+    }
 }
 
 fn parse_bound(text: &str) -> Result<f32, String> {

@@ -7,6 +7,7 @@ mod museum;
 mod output;
 mod scaling;
 mod scene;
+mod spheres;
 mod watcher;
 
 use crate::args::{BenchArguments, BenchCommand};
@@ -19,6 +20,7 @@ pub(super) fn run(args: &BenchArguments) -> Result<(), Failure> {
         BenchCommand::Scene(args) => scene::run(args),
         BenchCommand::Scaling(args) => scaling::run(args),
         BenchCommand::Museum(args) => museum::run(args),
+        BenchCommand::Spheres(args) => spheres::run(args),
         BenchCommand::Compare(args) => compare::compare(args),
         BenchCommand::Report(args) => compare::report(args),
     }

@@ -48,6 +48,7 @@ pub(crate) struct GatherStats {
 #[derive(Debug, Default)]
 pub(crate) struct GatherBuffers {
     pub(super) points: Vec<Vec3>,
+    pub(super) normals: Vec<Vec3>,
     pub(super) shares: Vec<f32>,
     /// A second share of each pair, where few rays stand for all.
     pub(super) guides: Vec<f32>,
@@ -73,13 +74,13 @@ pub(crate) fn gather(
 ) -> GatherStats {
     let _span = debug_span!("gather").entered();
     let mut lots = lots_of(runs);
-    let GatherBuffers { points, shares, .. } = buffers;
-    collect_points(&lots, points);
+    let GatherBuffers { points, normals, shares, .. } = buffers;
+    collect_points(&lots, points, normals);
     let mut stats = GatherStats::default();
     let tile_lights = (TILE_PAIRS / points.len().max(1)).clamp(1, lights.len().max(1));
     for start in (0..lights.len()).step_by(tile_lights) {
         let range = start..(start + tile_lights).min(lights.len());
-        let tile = PairTile { points, lights, range: range.clone() };
+        let tile = PairTile { points, normals, lights, range: range.clone() };
         face(&tile, &lots, shares);
         if !shares.is_empty() {
             stats.visibility += visibility.multiply(&tile, shares);
@@ -109,8 +110,10 @@ pub(super) fn lots_of(runs: &mut [ShadedRun]) -> Vec<Lot<'_>> {
     lots
 }
 
-/// Makes `points` the places of all points of `lots`.
-pub(super) fn collect_points(lots: &[Lot<'_>], points: &mut Vec<Vec3>) {
+/// Makes `points` the places of all points of `lots`, and `normals` their normals.
+pub(super) fn collect_points(lots: &[Lot<'_>], points: &mut Vec<Vec3>, normals: &mut Vec<Vec3>) {
+    normals.clear();
+    normals.extend(lots.iter().flat_map(|lot| lot.points).map(|point| point.normal));
     points.clear();
     points.extend(lots.iter().flat_map(|lot| lot.points).map(|point| point.shadow_position));
 }
@@ -259,7 +262,7 @@ impl Pair {
 impl GatherBuffers {
     /// Bytes held.
     pub(crate) fn memory_usage(&self) -> usize {
-        self.points.capacity() * size_of::<Vec3>()
+        (self.points.capacity() + self.normals.capacity()) * size_of::<Vec3>()
             + (self.shares.capacity() + self.guides.capacity()) * size_of::<f32>()
     }
 }

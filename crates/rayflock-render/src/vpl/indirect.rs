@@ -1,16 +1,24 @@
 //! Indirect light for a renderer: lights are shot once a picture and gathered wave by wave.
 
 use rayflock_engine::RayEngine;
-use rayflock_geom::Aabb;
+use rayflock_geom::{Aabb, Geometry};
 use rayflock_scene::{Background, LightKind};
 
 use super::exact_visibility::{ExactVisibility, RayBuffers};
-use super::gather::{GatherBuffers, gather};
+use super::gather::{GatherBuffers, GatherStats, gather};
+use super::gather_by_cuts::CutGatherer;
+use super::gather_past_spheres::{GroupedLights, gather_past_spheres};
 use super::resample::{Eyes, gather_chosen};
 use super::shoot::{ShootBuffers, shoot};
 use super::sources::Sources;
-use super::{PairTile, PairVisibility, VirtualLights, Visibility, VisibilityStats, VplSettings};
+use super::sphere_visibility::SphereVisibility;
+use super::{
+    ChosenRays, PairTile, PairVisibility, VirtualLights, Visibility, VisibilityStats, VplSettings,
+};
+use crate::Indirect;
 use crate::frame_shading::FrameShading;
+use crate::lightcuts::{CutVisibility, Exact, Open, PastSpheres};
+use crate::occluders::{SceneSpheres, SphereSettings};
 use crate::stats::{FrameStats, Stopwatch};
 use crate::wave::ShadedRun;
 
@@ -24,6 +32,20 @@ pub(crate) struct IndirectLight {
     shoot: ShootBuffers,
     gather: GatherBuffers,
     rays: RayBuffers,
+    /// What there is in the frame, for spheres.
+    geometry: Geometry,
+    spheres: Option<Spheres>,
+    grouped: GroupedLights,
+    cuts: CutGatherer,
+}
+
+/// Spheres in place of geometry.
+#[derive(Debug)]
+struct Spheres {
+    settings: SphereSettings,
+    scene: SceneSpheres,
+    /// Whether they are where the frame is.
+    is_current: bool,
 }
 
 /// What lights depend on besides the frame.
@@ -36,8 +58,10 @@ struct MadeOf {
 
 impl IndirectLight {
     /// The frame has changed.
-    pub(crate) fn invalidate(&mut self) {
+    pub(crate) fn invalidate(&mut self, geometry: &Geometry) {
         self.made_of = None;
+        self.geometry = geometry.clone();
+        self.spheres.iter_mut().for_each(|spheres| spheres.is_current = false);
     }
 
     /// The lights.
@@ -70,9 +94,31 @@ impl IndirectLight {
             stats.trace += shot.trace;
             stats.rays.indirect += shot.rays;
             self.made_of = Some(made_of);
+            self.grouped.assign(&self.lights);
+            self.cuts.invalidate();
         }
         stats.indirect.lights = self.lights.len() as u64;
         stats.indirect.shoot_seconds += stopwatch.seconds();
+    }
+
+    /// Brings spheres to where the frame is, if visibility is asked of them.
+    pub(crate) fn fit(&mut self, visibility: Visibility, stats: &mut FrameStats) {
+        let Visibility::Spheres(settings) = visibility else { return };
+        let stopwatch = Stopwatch::start();
+        let spheres = match &mut self.spheres {
+            Some(spheres) if spheres.settings == settings => spheres,
+            spheres => spheres.insert(Spheres {
+                settings,
+                scene: SceneSpheres::new(settings),
+                is_current: false,
+            }),
+        };
+        if !spheres.is_current {
+            spheres.scene.commit(&self.geometry);
+            spheres.is_current = true;
+        }
+        stats.indirect.spheres = spheres.scene.tree().spheres().len() as u64;
+        stats.indirect.fit_seconds += stopwatch.seconds();
     }
 
     /// Gathers light at the points of `runs`; what arrives is left as `lit` of each run, one entry
@@ -80,30 +126,19 @@ impl IndirectLight {
     pub(crate) fn gather(
         &mut self,
         engine: &mut dyn RayEngine,
-        (settings, sample_idx): (&VplSettings, u32),
+        (indirect, sample_idx): (&Indirect, u32),
         runs: &mut [ShadedRun],
         stats: &mut FrameStats,
     ) {
         let stopwatch = Stopwatch::start();
-        let (lights, bound) = (&self.lights, self.bound);
-        let gathered = match (settings.chosen, settings.visibility) {
-            (None, Visibility::None) => {
-                gather(lights, bound, &mut Unhindered, runs, &mut self.gather)
+        let gathered = match *indirect {
+            Indirect::Off => return,
+            Indirect::Vpl(VplSettings { chosen: Some(chosen), visibility, .. }) => {
+                self.gather_chosen(engine, visibility, (chosen, sample_idx), runs, stats)
             }
-            (None, Visibility::Exact) => {
-                let mut exact = ExactVisibility::new(engine, &mut self.rays);
-                let gathered = gather(lights, bound, &mut exact, runs, &mut self.gather);
-                stats.trace += exact.trace;
-                gathered
-            }
-            (Some(chosen), _) => {
-                let mut exact = ExactVisibility::new(engine, &mut self.rays);
-                let mut eyes = Eyes { guess: &mut Unhindered, exact: &mut exact };
-                let chosen = (chosen, sample_idx);
-                let gathered =
-                    gather_chosen(lights, bound, chosen, &mut eyes, runs, &mut self.gather);
-                stats.trace += exact.trace;
-                gathered
+            Indirect::Vpl(settings) => self.gather_all(engine, settings.visibility, runs, stats),
+            Indirect::Lightcuts { lights, error_bound } => {
+                self.gather_by_cuts(engine, lights.visibility, error_bound, runs, stats)
             }
         };
         stats.rays.shadow += gathered.visibility.rays;
@@ -113,12 +148,93 @@ impl IndirectLight {
         stats.indirect.gather_seconds += stopwatch.seconds();
     }
 
+    /// From all lights.
+    fn gather_all(
+        &mut self,
+        engine: &mut dyn RayEngine,
+        visibility: Visibility,
+        runs: &mut [ShadedRun],
+        stats: &mut FrameStats,
+    ) -> GatherStats {
+        let (lights, bound) = (&self.lights, self.bound);
+        match (visibility, &self.spheres) {
+            (Visibility::Spheres(_), Some(spheres)) => {
+                gather_past_spheres(lights, &self.grouped, spheres.scene.tree(), bound, runs)
+            }
+            (Visibility::Exact, _) => {
+                let mut exact = ExactVisibility::new(engine, &mut self.rays);
+                let gathered = gather(lights, bound, &mut exact, runs, &mut self.gather);
+                stats.trace += exact.trace;
+                gathered
+            }
+            _ => gather(lights, bound, &mut Unhindered, runs, &mut self.gather),
+        }
+    }
+
+    /// From all lights, with few rays that correct a guess.
+    fn gather_chosen(
+        &mut self,
+        engine: &mut dyn RayEngine,
+        visibility: Visibility,
+        chosen: (ChosenRays, u32),
+        runs: &mut [ShadedRun],
+        stats: &mut FrameStats,
+    ) -> GatherStats {
+        let mut past_spheres;
+        let guess: &mut dyn PairVisibility = match (visibility, &self.spheres) {
+            (Visibility::Spheres(_), Some(spheres)) => {
+                past_spheres = SphereVisibility::new(spheres.scene.tree());
+                &mut past_spheres
+            }
+            _ => &mut Unhindered,
+        };
+        let mut exact = ExactVisibility::new(engine, &mut self.rays);
+        let mut eyes = Eyes { guess, exact: &mut exact };
+        let (lights, bound) = (&self.lights, self.bound);
+        let gathered = gather_chosen(lights, bound, chosen, &mut eyes, runs, &mut self.gather);
+        stats.trace += exact.trace;
+        gathered
+    }
+
+    /// From clusters of lights.
+    fn gather_by_cuts(
+        &mut self,
+        engine: &mut dyn RayEngine,
+        visibility: Visibility,
+        error_bound: f32,
+        runs: &mut [ShadedRun],
+        stats: &mut FrameStats,
+    ) -> GatherStats {
+        self.cuts.commit(&self.lights, error_bound, self.bound);
+        let (mut exact, mut past_spheres, mut open);
+        let visibility: &mut dyn CutVisibility = match (visibility, &self.spheres) {
+            (Visibility::Spheres(_), Some(spheres)) => {
+                past_spheres = PastSpheres::new(spheres.scene.tree());
+                &mut past_spheres
+            }
+            (Visibility::Exact, _) => {
+                exact = Exact::new(engine);
+                &mut exact
+            }
+            _ => {
+                open = Open;
+                &mut open
+            }
+        };
+        let (gathered, cuts) = self.cuts.gather(&self.lights, visibility, runs);
+        stats.indirect.cuts += cuts;
+        gathered
+    }
+
     /// Bytes held.
     pub(crate) fn memory_usage(&self) -> usize {
         self.lights.memory_usage()
             + self.shoot.memory_usage()
             + self.gather.memory_usage()
             + self.rays.memory_usage()
+            + self.spheres.as_ref().map_or(0, |spheres| spheres.scene.memory_usage())
+            + self.grouped.memory_usage()
+            + self.cuts.memory_usage()
     }
 }
 

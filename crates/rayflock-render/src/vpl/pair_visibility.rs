@@ -13,6 +13,8 @@ pub struct PairTile<'a> {
     /// Where ways start: points of surfaces, moved off them by more than rounding. Neighbours
     /// are close in the picture as a rule.
     pub points: &'a [Vec3],
+    /// Normals of the surfaces there, of unit length, on the side that is seen; as many.
+    pub normals: &'a [Vec3],
     /// All lights.
     pub lights: &'a VirtualLights,
     /// Which of them are asked about.

@@ -60,9 +60,9 @@ pub(crate) fn gather_chosen(
     let mut stats = GatherStats::default();
     let tile_lots = (TILE_PAIRS / LOT / lights.len().max(1)).max(1);
     for lots in lots.chunks_mut(tile_lots) {
-        let GatherBuffers { points, shares, guides } = &mut *buffers;
-        collect_points(lots, points);
-        let tile = PairTile { points, lights, range: 0..lights.len() };
+        let GatherBuffers { points, normals, shares, guides } = &mut *buffers;
+        collect_points(lots, points, normals);
+        let tile = PairTile { points, normals, lights, range: 0..lights.len() };
         if tile.is_empty() {
             continue;
         }

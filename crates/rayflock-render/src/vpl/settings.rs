@@ -1,5 +1,7 @@
 //! What a caller can choose about virtual lights.
 
+use crate::occluders::SphereSettings;
+
 /// How virtual lights are left and gathered. Values out of range are taken as the nearest one in
 /// range.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +51,8 @@ pub enum Visibility {
     /// By a shadow ray for each pair.
     #[default]
     Exact,
+    /// Past spheres that stand for geometry: nearly, but fast.
+    Spheres(SphereSettings),
     /// Everything sees everything: light leaks, but fast.
     None,
 }

@@ -1,0 +1,300 @@
+//! What a tile of points sees of lights, past the spheres of a frame.
+//!
+//! ```text
+//!   once a tile and group of lights:  in_shaft, above the tile's planes  -> near spheres
+//!   once a tile and light:            those in the shaft to it           -> blockers
+//!   sixteen points and a light:       those in their own shaft, then let_through
+//! ```
+//!
+//! **Invariants.** What is let through does not depend, but for rounding of what lies a thousand
+//! times farther away than it is large, on how points and lights are cut into tiles and groups: a
+//! sphere that is left out would have changed nothing, and others keep their order.
+//!
+//! **Cost.** About three SIMD lanes a pair where a few spheres are near, besides two or three
+//! lanes a sphere for each tile and group.
+
+use glam::Vec3;
+use rayflock_geom::simd::cone_sphere::SphereBlock;
+use rayflock_geom::simd::segment_spheres::{Blocker, PointBlock, let_through};
+use rayflock_geom::simd::{LANES, Lanes, Simd, SimdBase, SimdLevel, dispatch, f32x16};
+use rayflock_geom::{Aabb, Sphere};
+
+use super::matte_lights::MatteLight;
+use super::sphere_tree::{Shaft, SphereTree};
+
+/// Points that are close, in blocks of sixteen, and what bounds them.
+#[derive(Clone, Debug)]
+pub struct PointTile {
+    blocks: Vec<PointBlock>,
+    /// Around the points of each block.
+    block_bounds: Vec<Sphere>,
+    len: usize,
+    bound: Sphere,
+    /// The mean normal, how much normals deviate from it, and how far points lie from the plane
+    /// across it.
+    axis: Vec3,
+    spread: f32,
+    thickness: f32,
+}
+
+/// A light as a point of a surface, or one without surface where the normal is zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenLight {
+    /// Where it is.
+    pub position: Vec3,
+    /// Of its surface.
+    pub normal: Vec3,
+}
+
+/// Spheres and their bounds, sixteen a block.
+#[derive(Debug, Default)]
+struct Bounded {
+    blockers: Vec<Blocker>,
+    blocks: Vec<SphereBlock>,
+}
+
+impl Bounded {
+    fn clear(&mut self) {
+        self.blockers.clear();
+        self.blocks.clear();
+    }
+
+    #[inline(always)]
+    fn push(&mut self, blocker: &Blocker, bound: &Sphere) {
+        let lane = self.blockers.len() % LANES;
+        if lane == 0 {
+            self.blocks.push(SphereBlock::EMPTY);
+        }
+        self.blockers.push(*blocker);
+        if let Some(block) = self.blocks.last_mut() {
+            block.set(lane, bound);
+        }
+    }
+
+    /// Calls `found` with those that a segment of the shaft may touch, in order. Returns how many
+    /// lanes were tested.
+    #[inline(always)]
+    fn in_shaft<S: Simd>(
+        &self,
+        simd: S,
+        shaft: &Shaft,
+        mut found: impl FnMut(&Blocker, Sphere),
+    ) -> u64 {
+        for (block, blockers) in self.blocks.iter().zip(self.blockers.chunks(LANES)) {
+            let mut lanes = shaft.touched(simd, block);
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros() as usize;
+                lanes &= lanes - 1;
+                found(&blockers[lane], block.get(lane));
+            }
+        }
+        (self.blocks.len() * LANES) as u64
+    }
+}
+
+/// Answers for tiles; working memory, one a thread.
+#[derive(Debug, Default)]
+pub struct TileSight {
+    /// Spheres near the way from the tile to a group.
+    near: Bounded,
+    /// Those near the way from the tile to a light.
+    seen: Bounded,
+    /// Those near the way from a block to a light.
+    round: Vec<Blocker>,
+    flat: Vec<Blocker>,
+    tests: u64,
+}
+
+impl Default for PointTile {
+    fn default() -> Self {
+        let bound = Sphere::new(Vec3::ZERO, 0.0);
+        Self {
+            blocks: Vec::new(),
+            block_bounds: Vec::new(),
+            len: 0,
+            bound,
+            axis: Vec3::Y,
+            spread: 2.0,
+            thickness: 0.0,
+        }
+    }
+}
+
+impl PointTile {
+    /// Makes this the tile of `positions` with unit `normals`, as many of each, keeping its memory.
+    pub fn assign(&mut self, positions: &[Vec3], normals: &[Vec3]) {
+        self.blocks.clear();
+        self.block_bounds.clear();
+        self.len = positions.len();
+        for (positions, normals) in positions.chunks(LANES).zip(normals.chunks(LANES)) {
+            let mut block = PointBlock::splat(positions[0], normals[0]);
+            for (lane, (&position, &normal)) in positions.iter().zip(normals).enumerate() {
+                block.set(lane, position, normal);
+            }
+            self.blocks.push(block);
+            self.block_bounds.push(ball_around(positions));
+        }
+        self.bound = ball_around(positions);
+        let center = self.bound.center;
+        self.axis = normals.iter().sum::<Vec3>().normalize_or(Vec3::Y);
+        let deviation = |normal: &Vec3| normal.distance(self.axis);
+        self.spread = normals.iter().map(deviation).fold(0.0, f32::max);
+        let depth = |position: &Vec3| (*position - center).dot(self.axis).abs();
+        self.thickness = positions.iter().map(depth).fold(0.0, f32::max);
+    }
+
+    /// Number of points.
+    pub const fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    pub const fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The middle of the points.
+    pub const fn center(&self) -> Vec3 {
+        self.bound.center
+    }
+
+    /// The points, sixteen a block, and a ball around each block; the last block may hold some
+    /// twice.
+    pub(super) fn blocks(&self) -> impl Iterator<Item = (&PointBlock, &Sphere)> {
+        self.blocks.iter().zip(&self.block_bounds)
+    }
+
+    /// Whether a light sends nothing to any point, since it lies behind their planes or they behind
+    /// its own.
+    pub(super) fn faces_away(&self, light: &MatteLight) -> bool {
+        let offset = light.position - self.bound.center;
+        let is_behind =
+            light.evenness == 0.0 && -light.normal.dot(offset) < -(1.0 + 1e-5) * self.bound.radius;
+        is_behind || self.lies_above(light.position)
+    }
+
+    /// Whether all points have a centre behind their planes, so that its sphere counts at none.
+    fn lies_above(&self, center: Vec3) -> bool {
+        let offset = center - self.bound.center;
+        let lift = self.spread * (offset.length() + self.bound.radius);
+        offset.dot(self.axis) + self.thickness + lift + 1e-5 * offset.length() < 0.0
+    }
+}
+
+/// A ball around points.
+fn ball_around(points: &[Vec3]) -> Sphere {
+    let center = Aabb::around(points.iter().copied()).center();
+    let center = if center.is_finite() { center } else { Vec3::ZERO };
+    let squared = points.iter().map(|point| point.distance_squared(center));
+    Sphere::new(center, squared.fold(0.0, f32::max).sqrt() * (1.0 + 1e-5))
+}
+
+impl TileSight {
+    /// Calls `seen(light_idx, block_idx, through)` for each light of a group and each block of
+    /// sixteen points for which `is_asked(light_idx)`; of the last block, lanes may stand for no
+    /// point. Lights of a group should be close to each other.
+    pub fn see(
+        &mut self,
+        tree: &SphereTree,
+        tile: &PointTile,
+        lights: &[SeenLight],
+        mut seen: impl FnMut(usize, usize, &Lanes),
+    ) {
+        if tile.is_empty() {
+            return;
+        }
+        dispatch!(SimdLevel::best().level(), simd => {
+            self.see_group(simd, tree, tile, lights, &mut seen);
+        });
+    }
+
+    /// Lanes of tests since the beginning, of spheres against shafts and against segments.
+    pub const fn tests(&self) -> u64 {
+        self.tests
+    }
+
+    #[inline(always)]
+    fn see_group<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: &SphereTree,
+        tile: &PointTile,
+        lights: &[SeenLight],
+        seen: &mut impl FnMut(usize, usize, &Lanes),
+    ) {
+        self.find_near(simd, tree, tile, lights.iter().map(|light| light.position));
+        for (light_idx, light) in lights.iter().enumerate() {
+            self.look_at(simd, tile, light.position, light.normal);
+            for (block_idx, (points, bound)) in tile.blocks().enumerate() {
+                let through = self.through(simd, points, bound, light.position);
+                let mut lanes = [0.0; LANES];
+                through.store_slice(&mut lanes);
+                seen(light_idx, block_idx, &lanes);
+            }
+        }
+    }
+
+    /// Lists the spheres on the way from the tile to the lights.
+    #[inline(always)]
+    pub(super) fn find_near<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: &SphereTree,
+        tile: &PointTile,
+        lights: impl Iterator<Item = Vec3> + Clone,
+    ) {
+        let points = lights.map(|position| Sphere::new(position, 0.0));
+        let Some(group) = Sphere::around_spheres(points) else { return };
+        let shaft = Shaft::between(&tile.bound, &group);
+        let near = &mut self.near;
+        near.clear();
+        self.tests += tree.in_shaft(simd, &shaft, |sphere, blocker| {
+            if !tile.lies_above(sphere.center) {
+                near.push(blocker, &Sphere::new(sphere.center, sphere.outer));
+            }
+        });
+    }
+
+    /// Lists those on the way to one light with a surface `normal`, or zero for none.
+    #[inline(always)]
+    pub(super) fn look_at<S: Simd>(
+        &mut self,
+        simd: S,
+        tile: &PointTile,
+        light: Vec3,
+        normal: Vec3,
+    ) {
+        let shaft = Shaft::between(&tile.bound, &Sphere::new(light, 0.0));
+        let seen = &mut self.seen;
+        seen.clear();
+        self.tests += self.near.in_shaft(simd, &shaft, |blocker, bound| {
+            if let Some(blocker) = blocker.toward(light, normal) {
+                seen.push(&blocker, &bound);
+            }
+        });
+    }
+
+    /// What comes through from the light that was looked at last to a block of the tile.
+    #[inline(always)]
+    pub(super) fn through<S: Simd>(
+        &mut self,
+        simd: S,
+        points: &PointBlock,
+        bound: &Sphere,
+        light: Vec3,
+    ) -> f32x16<S> {
+        let Self { seen, round, flat, .. } = self;
+        if seen.blockers.is_empty() {
+            return f32x16::splat(simd, 1.0);
+        }
+        round.clear();
+        flat.clear();
+        let shaft = Shaft::between(bound, &Sphere::new(light, 0.0));
+        self.tests += seen.in_shaft(simd, &shaft, |blocker, _| {
+            let list = if blocker.is_flat() { &mut *flat } else { &mut *round };
+            list.push(*blocker);
+        });
+        self.tests += (LANES * (round.len() + flat.len())) as u64;
+        let_through(simd, points, light, round, flat)
+    }
+}

@@ -1,0 +1,64 @@
+//! Pictures lit past spheres, and by cuts, are nearly those lit exactly.
+#![expect(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+use std::sync::Arc;
+
+use rayflock_engine::{EngineKind, create};
+use rayflock_render::occluders::SphereSettings;
+use rayflock_render::vpl::{Visibility, VplSettings};
+use rayflock_render::{
+    Film, FrameRenderer, FrameStats, Indirect, RenderSettings, View, WhittedRenderer,
+};
+use rayflock_scene::{Evaluator, builtin};
+
+fn lights(visibility: Visibility) -> VplSettings {
+    VplSettings { light_count: 256, visibility, ..VplSettings::default() }
+}
+
+/// Two frames of `cornell`, of which the second counts.
+fn picture(indirect: Indirect) -> (Film, FrameStats) {
+    let scene = Arc::new(builtin::build("cornell").unwrap());
+    let mut evaluator = Evaluator::new(Arc::clone(&scene), None).unwrap();
+    let mut renderer = WhittedRenderer::new(create(EngineKind::Auto));
+    let settings = RenderSettings { indirect, ..RenderSettings::default() };
+    let mut film = Film::new(64, 48);
+    let mut stats = FrameStats::default();
+    for time in [0.5, 1.0] {
+        let frame = evaluator.evaluate(time).unwrap();
+        renderer.commit(&scene, frame).unwrap();
+        let view = View::new(frame.cameras[0], scene.cameras[0].projection);
+        stats = renderer.render(&view, &settings, &mut film);
+    }
+    (film, stats)
+}
+
+/// Relative root mean squared error.
+fn error(found: &Film, expected: &Film) -> f32 {
+    let pairs = || found.pixels().as_flattened().iter().zip(expected.pixels().as_flattened());
+    let squared: f32 = pairs().map(|(a, b)| (a - b) * (a - b)).sum();
+    (squared / pairs().map(|(_, b)| b * b).sum::<f32>()).sqrt()
+}
+
+#[test]
+fn spheres_and_cuts_come_near_to_all_lights_seen_exactly() {
+    let spheres = Visibility::Spheres(SphereSettings { count: 64 });
+    let (exact, exact_stats) = picture(Indirect::Vpl(lights(Visibility::Exact)));
+    let (open, _) = picture(Indirect::Vpl(lights(Visibility::None)));
+    let (nearly, stats) = picture(Indirect::Vpl(lights(spheres)));
+    let (without, with) = (error(&open, &exact), error(&nearly, &exact));
+    assert!(with < 0.03 && with < 0.5 * without, "{with} of {without}");
+    assert!(stats.indirect.spheres > 20 && stats.indirect.spheres <= 70);
+    assert_eq!(stats.indirect.visibility.rays, 0);
+    let clamped = |stats: FrameStats| stats.indirect.clamped_share();
+    let (found, expected) = (clamped(stats), clamped(exact_stats));
+    assert!((found - expected).abs() < 0.01, "{found} of the light is clamped, not {expected}");
+
+    for (visibility, expected) in [(Visibility::Exact, &exact), (spheres, &nearly)] {
+        let lights = lights(visibility);
+        let (cut, stats) = picture(Indirect::Lightcuts { lights, error_bound: 0.02 });
+        let error = error(&cut, expected);
+        assert!(error < 0.02, "{error}");
+        let cuts = stats.indirect.cuts;
+        assert!(cuts.clusters < 200 * cuts.points, "{cuts:?}");
+    }
+}
