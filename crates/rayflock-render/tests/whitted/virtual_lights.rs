@@ -113,6 +113,28 @@ fn sun_and_sky_light_what_is_in_the_open() {
 }
 
 #[test]
+fn a_slow_ball_does_not_make_the_walls_flicker() {
+    let settings = RenderSettings { samples_per_pixel: 1, ..vpl(512) };
+    let mut before: Option<Film> = None;
+    for frame in 0..60 {
+        let mut scene = room(vec![lamp(Vec3::new(-0.3, 0.7, 0.2), 1.0)], matte(Vec3::splat(0.5)));
+        let center = Vec3::new(0.3 - 0.002 * frame as f32, -0.6, -0.3);
+        let moved = SurfaceMesh::new(ball(center, 0.2), MaterialIdx(1));
+        scene.objects[1].shape = rayflock_scene::Shape::Fixed(moved);
+        // The upper part of the picture: walls that see the ball, but are not in its shadow.
+        let view = look_at(Vec3::new(0.1, 0.2, 0.95), Vec3::new(0.0, 0.5, -0.5));
+        let (film, _) = gathered(&scene, &view, &settings);
+        if let Some(before) = &before {
+            let changes = film.pixels().iter().zip(before.pixels());
+            let changes = changes.map(|(a, b)| (a[1] - b[1]).abs() / b[1]);
+            let mean = changes.sum::<f32>() / film.pixels().len() as f32;
+            assert!(mean < 0.005, "frame {frame}: walls change by {mean}");
+        }
+        before = Some(film);
+    }
+}
+
+#[test]
 fn the_light_kept_away_shrinks_as_lights_grow() {
     let scene = room(vec![lamp(Vec3::new(-0.3, 0.7, 0.2), 1.0)], matte(Vec3::splat(0.5)));
     let share = |count| gathered(&scene, &in_room(), &vpl(count)).1.indirect.clamped_share();
