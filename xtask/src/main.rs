@@ -7,6 +7,7 @@
 //! | [`perf_check`] | counts instructions and compares them with the committed baseline |
 //! | [`invariants`] | checks the rules of `docs/architecture.md` that the compiler does not |
 //! | [`tools`] | finds or installs programs that some tests want |
+//! | [`vulkan`] | finds or installs software drivers that stand in for a graphics card |
 #![forbid(unsafe_code)]
 
 mod embree;
@@ -14,6 +15,7 @@ mod invariants;
 mod perf_check;
 mod test;
 mod tools;
+mod vulkan;
 
 use std::path::Path;
 use std::process::ExitCode;
