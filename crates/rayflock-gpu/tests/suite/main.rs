@@ -6,5 +6,6 @@
 mod agreement;
 mod device;
 mod loss;
+mod pictures;
 mod scenes;
 mod stats;
