@@ -11,6 +11,7 @@
 //! | [`convert_tools`] | tests the converter of USD and Alembic files |
 //! | [`venv`] | virtual environments of Python |
 //! | [`tools`] | finds or installs programs that some tests want |
+//! | [`vulkan`] | finds or installs software drivers that stand in for a graphics card |
 #![forbid(unsafe_code)]
 
 mod convert_tools;
@@ -22,6 +23,7 @@ mod python;
 mod test;
 mod tools;
 mod venv;
+mod vulkan;
 
 use std::path::Path;
 use std::process::ExitCode;

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 
-use crate::{convert_tools, fuzz, invariants, tools};
+use crate::{convert_tools, fuzz, invariants, tools, vulkan};
 
 /// A call of cargo and what it is for. Lints and documentation share their builds of the
 /// dependencies; tests need another one, because they are optimised.
@@ -16,20 +16,28 @@ struct Step {
     env: Option<(&'static str, &'static str)>,
 }
 
-const STEPS: [Step; 4] = [
+const STEPS: [Step; 5] = [
     Step { name: "format", args: &["fmt", "--all", "--check"], env: None },
     Step {
         name: "lints",
-        args: &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"],
+        args: &["clippy", "--workspace", "--all-targets", GPU, "--", "-D", "warnings"],
         env: None,
     },
-    Step { name: "tests", args: &["test", "--workspace"], env: None },
+    Step {
+        name: "lints without the graphics card",
+        args: &["clippy", "--workspace", "--", "-D", "warnings"],
+        env: None,
+    },
+    Step { name: "tests", args: &["test", "--workspace", GPU], env: None },
     Step {
         name: "documentation",
-        args: &["doc", "--workspace", "--no-deps"],
+        args: &["doc", "--workspace", "--no-deps", GPU],
         env: Some(("RUSTDOCFLAGS", "-D warnings")),
     },
 ];
+
+/// The program with all it can do.
+const GPU: &str = "--features=rayflock-cli/gpu";
 
 /// Runs everything from the repository's `root`.
 pub(crate) fn run(root: &Path) -> Result<()> {
@@ -37,11 +45,12 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     tools::want_ffmpeg();
     tools::want_embree(root);
     tools::want_python(root);
+    let drivers = vulkan::want_drivers();
     say_where_real_scenes_are(root);
     println!("== invariants");
     invariants::check(root)?;
     for step in &STEPS {
-        run_step(root, step)?;
+        run_step(root, step, &drivers)?;
     }
     convert_tools::test(root)?;
     fuzz::test(root)?;
@@ -65,13 +74,14 @@ fn say_where_real_scenes_are(root: &Path) {
     }
 }
 
-fn run_step(root: &Path, step: &Step) -> Result<()> {
+fn run_step(root: &Path, step: &Step, drivers: &[(&str, String)]) -> Result<()> {
     let env = step.env.map_or_else(String::new, |(name, value)| format!("{name}=\"{value}\" "));
     println!("== {}: {env}cargo {}", step.name, step.args.join(" "));
     let start = Instant::now();
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
     command.args(step.args).envs(step.env).current_dir(root);
+    command.envs(drivers.iter().map(|(name, value)| (*name, value)));
     let status = command.status().with_context(|| format!("cannot run cargo for {}", step.name))?;
     ensure!(status.success(), "{} failed ({status})", step.name);
     println!("== {}: passed in {} s", step.name, start.elapsed().as_secs());

@@ -37,11 +37,11 @@ pub(crate) fn need_valgrind() -> Result<()> {
     )
 }
 
-fn can_install() -> bool {
+pub(crate) fn can_install() -> bool {
     succeeds("apt-get", &["--version"]) && is_root()
 }
 
-fn install(package: &str) -> bool {
+pub(crate) fn install(package: &str) -> bool {
     println!("== tools: apt-get install {package}");
     let install = ["install", "-y", "-q", "--no-install-recommends", package];
     succeeds("apt-get", &install)

@@ -5,6 +5,8 @@ use std::str::FromStr;
 
 use rayflock::engine::subfields::{self, SubfieldsEngine};
 use rayflock::engine::{self, EngineKind, RayEngine};
+#[cfg(feature = "gpu")]
+use rayflock::gpu::{GpuEngine, GpuEngineSpec};
 
 use crate::peer::PeerError;
 use crate::peer::embree::{EmbreeEngine, EmbreeLibrary, Setting};
@@ -13,16 +15,20 @@ use crate::peer::obvhs::ObvhsEngine;
 const EMBREE: &str = "embree";
 const BEST: &str = "best";
 const OBVHS: &str = "obvhs";
+const GPU: &str = "gpu";
 const SUBFIELDS: &str = EngineKind::Subfields.name();
 
 /// An engine as it is asked for: `hierarchy`, `subfields:eager+list`, `embree`,
-/// `embree:low+instances+packets`, `embree:best`, `obvhs`.
+/// `embree:low+instances+packets`, `embree:best`, `obvhs`, `gpu:compute`, `gpu:raster@1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EngineSpec {
     /// One of ours.
     Own(EngineKind),
     /// Parallel subfields with these settings.
     Subfields(subfields::Config),
+    /// One of ours on the graphics card.
+    #[cfg(feature = "gpu")]
+    Gpu(GpuEngineSpec),
     /// Embree, used in this way.
     Embree(Setting),
     /// Embree in the way that is best for the work, found by trying.
@@ -36,12 +42,16 @@ impl EngineSpec {
     /// looked for.
     ///
     /// # Errors
-    /// [`PeerError`] when Embree cannot be had, and for [`Self::EmbreeBest`], which is no engine
+    /// [`PeerError`] when Embree or the adapter cannot be had, and for [`Self::EmbreeBest`], which is no engine
     /// but a contest.
     pub fn create(&self, library: Option<&EmbreeLibrary>) -> Result<Box<dyn RayEngine>, PeerError> {
         match *self {
             Self::Own(kind) => Ok(engine::create(kind)),
             Self::Subfields(config) => Ok(Box::new(SubfieldsEngine::new(config))),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(spec) => {
+                GpuEngine::open(&spec).map(|engine| Box::new(engine) as _).map_err(PeerError::Gpu)
+            }
             Self::Embree(setting) => {
                 let library = library.cloned().map_or_else(|| EmbreeLibrary::load(None), Ok)?;
                 Ok(Box::new(EmbreeEngine::new(&library, setting)?))
@@ -51,9 +61,18 @@ impl EngineSpec {
         }
     }
 
-    /// Whether the engine is one of ours, which all agree to the bit.
+    /// Whether the engine is one of ours on the CPU, which all agree to the bit.
     pub const fn is_own(&self) -> bool {
         matches!(self, Self::Own(_) | Self::Subfields(_))
+    }
+
+    /// Whether the engine can tell what it chose, or what it holds.
+    pub const fn explains(&self) -> bool {
+        match self {
+            Self::Own(kind) => matches!(kind, EngineKind::Auto | EngineKind::Subfields),
+            Self::Subfields(_) => true,
+            _ => false,
+        }
     }
 
     /// Whether the engine needs the library Embree.
@@ -73,6 +92,8 @@ impl fmt::Display for EngineSpec {
         match self {
             Self::Own(kind) => write!(f, "{kind}"),
             Self::Subfields(config) => write!(f, "{SUBFIELDS}:{config}"),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(spec) => write!(f, "{spec}"),
             Self::Embree(setting) => write!(f, "{EMBREE}:{setting}"),
             Self::EmbreeBest => write!(f, "{EMBREE}:{BEST}"),
             Self::Obvhs => f.write_str(OBVHS),
@@ -89,6 +110,10 @@ impl FromStr for EngineSpec {
             None if text == OBVHS => Ok(Self::Obvhs),
             Some((EMBREE, BEST)) => Ok(Self::EmbreeBest),
             Some((EMBREE, setting)) => setting.parse().map(Self::Embree),
+            #[cfg(feature = "gpu")]
+            Some((GPU, _)) => text.parse().map(Self::Gpu).map_err(PeerError::Gpu),
+            #[cfg(not(feature = "gpu"))]
+            Some((GPU, _)) => Err(PeerError::BuiltWithoutGpu(text.to_owned())),
             Some((SUBFIELDS, setting)) => {
                 setting.parse().map(Self::Subfields).map_err(PeerError::Setting)
             }
@@ -129,6 +154,23 @@ mod tests {
         }
         assert!(parse("embree:bset").unwrap_err().to_string().contains("\"bset\""));
         assert!(parse("subfields:egaer").unwrap_err().to_string().contains("\"egaer\""));
+    }
+
+    #[cfg(feature = "gpu")]
+    #[test]
+    fn engines_on_the_graphics_card_are_parsed_as_they_are_printed() {
+        for text in ["gpu:brute", "gpu:raster@1", "gpu:compute@llvmpipe"] {
+            let spec = parse(text).unwrap();
+            assert!(spec.to_string() == text && !spec.is_own());
+        }
+        assert!(parse("gpu:warp").unwrap_err().to_string().contains("\"gpu:warp\""));
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    #[test]
+    fn a_program_without_the_graphics_card_says_how_to_build_it_in() {
+        let message = parse("gpu:compute").unwrap_err().to_string();
+        assert!(message.contains("\"gpu:compute\"") && message.contains("--features gpu"));
     }
 
     #[test]

@@ -94,6 +94,8 @@ pub(crate) enum Command {
     Convert(ConvertArguments),
     /// Tell what is in a scene, what moves how, and what is wrong with it.
     Info(InfoArguments),
+    /// List the graphics adapters of this machine, for --engine gpu:compute@NUMBER.
+    Devices(DevicesArguments),
     /// Tell how many hours the sun shines on each face or vertex of a scene.
     Sun(Box<SunArguments>),
     /// Sweep a scene with a LiDAR or a depth camera while it moves: points, ranges, intensities.
@@ -158,6 +160,14 @@ pub(crate) struct InfoArguments {
     pub(crate) clip: Option<String>,
 
     /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Options of `devices`.
+#[derive(Debug, Args)]
+pub(crate) struct DevicesArguments {
+    /// Print one JSON array instead of text.
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -8,7 +8,6 @@ use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
 use glam::Affine3A;
-use rayflock::engine::EngineKind;
 use rayflock::render::{RenderSettings, View};
 use rayflock::scene::{Evaluator, Scene, SceneFrame, frame_bounds};
 use rayflock_bench::EngineSpec;
@@ -201,13 +200,8 @@ fn check_edges(target: &Target, size: Size) -> Result<()> {
 
 fn check_explained(args: &RenderArguments) -> Result<()> {
     let engine = args.engine.engine;
-    let explains = match engine {
-        EngineSpec::Own(kind) => matches!(kind, EngineKind::Auto | EngineKind::Subfields),
-        EngineSpec::Subfields(_) => true,
-        EngineSpec::Embree(_) | EngineSpec::EmbreeBest | EngineSpec::Obvhs => false,
-    };
     ensure!(
-        explains || !args.explain,
+        engine.explains() || !args.explain,
         "--explain tells what the engine auto chose, or what subfields holds, but --engine is {engine}"
     );
     Ok(())

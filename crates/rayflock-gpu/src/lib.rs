@@ -45,6 +45,7 @@ mod raster;
 mod ray_textures;
 mod shaders;
 mod slots;
+mod sort_rays;
 mod standby;
 #[cfg(test)]
 mod testing;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   Image       tiles of 8 x 8 pixels along a Morton curve, cropped ones filled up
-//!   otherwise   in the order of the batch
+//!   otherwise   sorted by direction and origin
 //! ```
 //!
 //! Long batches are traced in runs of slots, so that no buffer outgrows what WebGPU guarantees.
@@ -11,6 +11,7 @@ use rayflock_geom::{RayBatch, RayOrder, RayState};
 use rayon::prelude::*;
 
 use crate::layout::{DeviceHit, DeviceRay};
+use crate::sort_rays::sort_rays;
 
 /// Rays in a tile.
 pub(crate) const TILE_RAYS: usize = 64;
@@ -27,9 +28,8 @@ const NO_RAY: u32 = u32::MAX;
 /// Which ray of a batch lies in which slot.
 #[derive(Debug, Default)]
 pub(crate) struct Slots {
-    /// The ray of each slot, or [`NO_RAY`]; empty where slots lie in the order of the batch.
+    /// The ray of each slot, or [`NO_RAY`].
     ray_idx: Vec<u32>,
-    ray_count: usize,
     /// What `ray_idx` was made for.
     made_for: Option<RayOrder>,
 }
@@ -49,34 +49,32 @@ pub(crate) struct Run {
 impl Slots {
     /// Assigns the rays of `batch`. An image of the same size as before is not arranged anew.
     pub(crate) fn assign(&mut self, batch: &RayBatch<'_>) {
-        self.ray_count = batch.len();
         let order = match batch.order() {
             RayOrder::Image { width, height, .. }
                 if width.checked_mul(height) == Some(batch.len()) =>
             {
                 batch.order()
             }
-            _ => RayOrder::Coherent,
+            _ => RayOrder::Unordered,
         };
-        if self.made_for != Some(order) {
-            self.ray_idx.clear();
-            if let RayOrder::Image { width, height, tile } = order {
+        if let RayOrder::Image { width, height, tile } = order {
+            if self.made_for != Some(order) {
+                self.ray_idx.clear();
                 self.assign_image(Image { width, height, tile });
             }
-            self.made_for = Some(order);
+        } else {
+            sort_rays(batch, &mut self.ray_idx);
         }
+        self.made_for = Some(order);
     }
 
     /// Number of slots, those without a ray included.
     pub(crate) fn len(&self) -> usize {
-        if self.ray_idx.is_empty() { self.ray_count } else { self.ray_idx.len() }
+        self.ray_idx.len()
     }
 
     /// The ray of a slot.
     pub(crate) fn ray_idx(&self, slot: usize) -> Option<usize> {
-        if self.ray_idx.is_empty() {
-            return (slot < self.ray_count).then_some(slot);
-        }
         let idx = *self.ray_idx.get(slot)?;
         (idx != NO_RAY).then_some(idx as usize)
     }

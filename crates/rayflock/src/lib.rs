@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`geom`] | you describe what can be hit, and ask about rays |
 //! | [`engine`] | you want hits: several engines, one answer |
+//! | `gpu` (with the feature `gpu`) | a graphics card should trace |
 //! | [`scene`] | things have materials and move: clips, skins, morph targets, built-in scenes |
 //! | [`import`] | a scene is in files: glTF, OBJ, PLY, STL, VTK, AFF, NumPy, sequences, caches |
 //! | [`render`] | you want pictures, hours of sun, or what sensors see |
@@ -56,6 +57,8 @@
 
 pub use rayflock_engine as engine;
 pub use rayflock_geom as geom;
+#[cfg(feature = "gpu")]
+pub use rayflock_gpu as gpu;
 pub use rayflock_import as import;
 pub use rayflock_render as render;
 pub use rayflock_scene as scene;

@@ -33,7 +33,7 @@ impl Entry {
         let setting = match spec {
             EngineSpec::Embree(setting) => setting.to_string(),
             EngineSpec::EmbreeBest => return Ok(Self::with(spec, Vec::new(), meter)),
-            EngineSpec::Own(_) | EngineSpec::Subfields(_) | EngineSpec::Obvhs => String::new(),
+            _ => String::new(),
         };
         let engine = spec.create(library)?;
         let contestant = Contestant::new(&spec.to_string(), &setting, is_own, engine, meter);

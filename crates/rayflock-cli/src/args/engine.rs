@@ -12,13 +12,15 @@ use rayflock_bench::peer::embree::EmbreeLibrary;
 #[derive(Clone, Debug, Args)]
 pub(crate) struct EngineChoice {
     /// The engine that traces the rays: auto asks whichever of brute, hierarchy, bvh and
-    /// subfields should answer soonest; to compare, also embree, embree:SETTING and obvhs.
+    /// subfields should answer soonest; to compare, also embree, embree:SETTING and obvhs; in a
+    /// program built with --features gpu also gpu:compute, gpu:raster and gpu:brute.
     ///
     /// Our own engines give the same picture in every bit, those of others nearly the same.
     /// subfields:SETTING sets how subfields are kept: on-demand, eager or locked; list; flat;
     /// icosahedron; 160 for so many directions; 10-a-tile; joined by +. The SETTING of embree is
     /// how it is used: low, medium or refit; kept, instances or merged; single or packets;
-    /// coherent; robust; joined by +.
+    /// coherent; robust; joined by +. gpu:compute@1 and gpu:compute@NAME say which graphics adapter
+    /// of those that `rayflock devices` lists.
     #[arg(long, value_name = "NAME", default_value_t = EngineKind::Auto.into())]
     pub(crate) engine: EngineSpec,
 

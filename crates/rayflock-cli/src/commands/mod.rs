@@ -3,6 +3,7 @@
 mod bench;
 mod convert;
 mod demo;
+mod devices;
 mod info;
 mod render;
 mod sense;
@@ -21,7 +22,7 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Render(args) => args.threads,
         Command::Sun(args) => args.threads,
         Command::Sense(args) => args.threads,
-        Command::Convert(_) | Command::Info(_) => None,
+        Command::Convert(_) | Command::Info(_) | Command::Devices(_) => None,
         Command::Bench(args) => args.command.threads(),
     };
     let trace = match command {
@@ -29,7 +30,7 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Sun(args) => args.trace.trace.as_deref(),
         Command::Sense(args) => args.trace.trace.as_deref(),
         Command::Bench(args) => args.command.trace(),
-        Command::Demo(_) | Command::Convert(_) | Command::Info(_) => None,
+        Command::Demo(_) | Command::Convert(_) | Command::Info(_) | Command::Devices(_) => None,
     };
     let pool = rayon::ThreadPoolBuilder::new()
         .thread_name(|idx| format!("worker {idx}"))
@@ -44,6 +45,7 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Sun(args) => sun::run(args),
         Command::Sense(args) => sense::run(args),
         Command::Info(args) => info::run(args),
+        Command::Devices(args) => devices::run(args),
         Command::Bench(args) => bench::run(args),
     };
     profile::record(trace, || pool.install(work)).blame_output()?

@@ -36,6 +36,21 @@ fn info_tells_people_and_programs_the_same() {
 }
 
 #[test]
+fn graphics_adapters_are_listed_where_the_program_can_use_them() {
+    let work = Workplace::new();
+    if cfg!(feature = "gpu") {
+        let devices = work.run_quietly("devices --json").stdout;
+        let devices: Value = serde_json::from_str(&devices).unwrap();
+        let numbers = devices.as_array().unwrap().iter().map(|device| &device["number"]);
+        assert!(numbers.enumerate().all(|(idx, number)| *number == idx));
+    } else {
+        let run = work.run("devices");
+        assert_eq!(run.code, 2);
+        assert!(run.stderr.contains("build one that can with --features gpu"), "{}", run.stderr);
+    }
+}
+
+#[test]
 fn help_and_version_go_to_standard_output() {
     let work = Workplace::new();
     assert!(work.run_quietly("--version").stdout.starts_with("rayflock "));

@@ -34,6 +34,20 @@ fn embree_renders_like_ours() {
     }
 }
 
+#[cfg(feature = "gpu")]
+#[test]
+fn the_graphics_card_renders_like_ours() {
+    if rayflock::gpu::list_adapters().is_empty() {
+        eprintln!("skipped: there is no graphics adapter");
+        return;
+    }
+    renders_like_ours("gpu:compute@0");
+    let work = Workplace::new();
+    let run = work.run("render builtin:cornell --engine gpu:compute@99 -o x.png");
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    assert!(run.stderr.contains("there is no graphics adapter \"99\"; there are: 0: "));
+}
+
 #[test]
 fn an_engine_without_its_library_says_how_to_get_it() {
     let work = Workplace::new();

@@ -15,7 +15,7 @@ use crate::slots::{Run, Slots};
 use crate::testing::{contexts, read};
 use crate::twins;
 
-/// Hits of a run by an engine with so much room for pairs at most, and the tests it took.
+/// Hits of a batch by an engine with so much room for pairs at most, and the tests it took.
 fn trace(
     context: &GpuContext,
     most: usize,
@@ -30,7 +30,11 @@ fn trace(
     slots.assign(batch);
     run.fill(batch, &slots, 0, &|_| f32::INFINITY);
     let counts = compute.trace(context, &primitives, &mut run, Question::Closest).unwrap();
-    (run.hits, counts.cones)
+    let mut hits = vec![DeviceHit::none_before(f32::INFINITY); batch.len()];
+    for (place, ray_idx) in run.ray_places(&slots) {
+        hits[ray_idx] = run.hits[place];
+    }
+    (hits, counts.cones)
 }
 
 #[test]

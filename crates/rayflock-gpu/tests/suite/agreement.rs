@@ -73,7 +73,7 @@ impl Bench {
         for (idx, &occluded) in occluded.iter().enumerate() {
             let (ray, name) = (batch.ray(idx), engine.name());
             self.check(&ray, found.get(idx), expected.get(idx), name, &mut tally);
-            if occluded != !found.get(idx).is_miss() {
+            if occluded == found.get(idx).is_miss() {
                 let free = Hit::MISS;
                 let hit = if occluded { expected.get(idx) } else { free };
                 assert!(self.may_be(&ray, &hit), "{name}: {ray:?} is occluded: {occluded}");
@@ -135,9 +135,9 @@ fn one(mesh: rayflock_geom::Mesh) -> Geometry {
 fn every_form_of_batch_agrees_on_changing_frames() {
     for mut engine in engines() {
         let mut rng = Rng::new(41);
-        for seed in 0..6 {
+        for seed in 0..3 {
             let mut previous = Geometry::default();
-            for frame in frames(&recipe(seed, 5, 40), 4) {
+            for frame in frames(&recipe(seed, 5, 40), 3) {
                 let mut bench = Bench::new(&frame);
                 bench.commit_to(&mut engine, &FrameChanges::between(&previous, &frame));
                 for form in RayForm::ALL {
