@@ -28,7 +28,7 @@
 //! file's folder. What breaks the rules is an [`ImportError`]; what can be left out or put right
 //! is a [`Warning`] in the [`Reporter`], and the import goes on.
 //!
-//! **The other way.** [`export`] writes the geometry of frames: OBJ, PLY and NumPy.
+//! **The other way.** [`export`] writes the geometry of frames: OBJ, PLY, NumPy and glTF.
 //!
 //! ```no_run
 //! use rayflock_import::{Reporter, load};

@@ -1,15 +1,17 @@
-//! Writes the geometry of frames: OBJ, PLY and NumPy frame sets.
+//! Writes the geometry of frames: OBJ, PLY, NumPy frame sets and glTF.
 //!
 //! A [`FrameMesh`] is everything of one frame in world space; materials, normals and the like are
-//! left behind. All three formats hold single precision, so what is read again is the same in
-//! every bit.
+//! left behind. All formats hold single precision; what is read again is the same in every bit,
+//! but for morphs of glTF, which are sums.
 //!
 //! | Written by | Holds | Use it when |
 //! |---|---|---|
 //! | [`write_obj`] | triangles, as text | another program wants them |
 //! | [`write_ply`] | triangles, or spheres where there are none | a file a frame, small and quick |
 //! | [`FrameSet`] | triangles and spheres of all frames | NumPy is at the other end |
+//! | [`MorphSet`] | the same triangles in all frames, moving | another program plays animations |
 
+mod glb;
 mod npz;
 mod obj;
 mod ply;
@@ -20,6 +22,7 @@ mod tests;
 use glam::Vec3;
 use rayflock_geom::{Geometry, Sphere, transform_point, transform_sphere};
 
+pub use glb::{MorphError, MorphSet};
 pub use npz::FrameSet;
 pub use obj::write_obj;
 pub use ply::write_ply;

@@ -7,7 +7,7 @@ use glam::{Affine3A, Vec3};
 use rayflock_geom::{Geometry, GeometryObject, Mesh, ObjectId, Sphere};
 use rayflock_scene::{Evaluator, Scene};
 
-use super::{FrameMesh, FrameSet, write_obj, write_ply};
+use super::{FrameMesh, FrameSet, MorphSet, write_obj, write_ply};
 use crate::tests::{fixed_mesh, load_bytes};
 
 /// A quad with coordinates of many digits.
@@ -84,6 +84,42 @@ fn all_frames_come_back_from_a_set() {
             assert_eq!(&frame_at(&mut evaluator, idx, 30.0), frame, "frame {idx}");
         }
     }
+}
+
+#[test]
+fn frames_of_the_same_triangles_come_back_from_a_glb() {
+    let frames = [quad(1), quad(2), quad(5), quad(3)];
+    let mut set = MorphSet::new();
+    frames.iter().for_each(|frame| set.push(frame).unwrap());
+    let mut file = Vec::new();
+    set.write(30.0, &mut file).unwrap();
+    let (scene, warnings) = load_bytes("a.glb", &file).unwrap();
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let mut evaluator = Evaluator::new(Arc::new(scene), None).unwrap();
+    // The last frame is where the clip begins again.
+    for (idx, frame) in frames[..3].iter().enumerate() {
+        let found = frame_at(&mut evaluator, idx, 30.0);
+        assert_eq!(found.triangles, frame.triangles);
+        for (found, expected) in found.vertices.iter().zip(&frame.vertices) {
+            let size = expected.abs().max_element();
+            assert!(found.abs_diff_eq(*expected, 1e-5 * size), "{found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_glb_has_one_topology() {
+    let mut set = MorphSet::new();
+    set.push(&quad(1)).unwrap();
+    let turned = FrameMesh { triangles: vec![[0, 2, 1], [0, 2, 3]], ..quad(2) };
+    let expected = "found other triangles, expected those as in the first frame: glTF moves \
+                    vertices only";
+    assert_eq!(set.push(&turned).unwrap_err().to_string(), expected);
+    let message = set.push(&FrameMesh::default()).unwrap_err().to_string();
+    assert!(message.starts_with("found 0 vertices in 0 triangles, expected 4 vertices in 2"));
+    let mut file = Vec::new();
+    MorphSet::new().write(30.0, &mut file).unwrap();
+    assert!(load_bytes("a.glb", &file).unwrap().0.objects.is_empty());
 }
 
 #[test]
