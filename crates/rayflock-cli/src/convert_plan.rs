@@ -13,7 +13,7 @@ use crate::input::Input;
 use crate::output::{FrameNames, atomic, create_folder, folder_of};
 use crate::plan::check_frames;
 
-const EXPECTED: &str = "expected a frame set (.npz), a mesh (.ply, .obj), a folder (ending in /) \
+const EXPECTED: &str = "expected a frame set (.npz), morphs (.glb), a mesh (.ply, .obj), a folder (ending in /) \
                         or a pattern such as out/frame_%04d.ply";
 
 /// A conversion, thought through.
@@ -36,6 +36,8 @@ pub(crate) struct ConvertPlan {
 pub(crate) enum MeshTarget {
     /// All frames in one file.
     FrameSet(PathBuf),
+    /// All frames in one file, as morphs of the first.
+    Morphs(PathBuf),
     /// One mesh, at exactly this path if there is one frame.
     Mesh(PathBuf, MeshFormat),
     /// A mesh a frame.
@@ -62,7 +64,7 @@ impl ConvertPlan {
         let whole = FrameRange::first_frames(input.whole_motion(evaluator.clip(), fps));
         let default = match target {
             MeshTarget::Mesh(..) => FrameRange::first_frames(1),
-            MeshTarget::FrameSet(_) | MeshTarget::Meshes(..) => whole,
+            MeshTarget::FrameSet(_) | MeshTarget::Morphs(_) | MeshTarget::Meshes(..) => whole,
         };
         let frames = args.frames.unwrap_or(default);
         check_frames(frames, whole, &input).blame_input()?;
@@ -84,6 +86,7 @@ impl MeshTarget {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let format = match extension.as_str() {
             "npz" => return Ok(Self::FrameSet(path.to_owned())),
+            "glb" => return Ok(Self::Morphs(path.to_owned())),
             "ply" => MeshFormat::Ply,
             "obj" => MeshFormat::Obj,
             _ => bail!("cannot tell the format of the output \"{}\": {EXPECTED}", path.display()),
@@ -94,11 +97,11 @@ impl MeshTarget {
         })
     }
 
-    /// The paths of meshes, if `frame_count` of them are written, and their format; `None` for a
-    /// frame set.
+    /// The paths of meshes, if `frame_count` of them are written, and their format; `None` for one
+    /// file of all frames.
     pub(crate) fn meshes(&self, frame_count: u64) -> Option<(FrameNames, MeshFormat)> {
         Some(match self {
-            Self::FrameSet(_) => return None,
+            Self::FrameSet(_) | Self::Morphs(_) => return None,
             Self::Mesh(path, format) if frame_count == 1 => {
                 (FrameNames::Single(path.clone()), *format)
             }
@@ -110,7 +113,7 @@ impl MeshTarget {
     /// Finds out whether the target can be written, and creates the last folder of many meshes.
     pub(crate) fn prepare(&self, frames: FrameRange) -> Result<()> {
         let probe = match self {
-            Self::FrameSet(path) => path.clone(),
+            Self::FrameSet(path) | Self::Morphs(path) => path.clone(),
             Self::Meshes(names, _) => {
                 let probe = names.path(frames.first);
                 create_folder(&folder_of(&probe))?;
@@ -145,6 +148,7 @@ mod tests {
     #[test]
     fn sets_meshes_folders_and_patterns_are_told_apart() {
         assert_eq!(target("a/B.NPZ"), MeshTarget::FrameSet("a/B.NPZ".into()));
+        assert_eq!(target("a.glb"), MeshTarget::Morphs("a.glb".into()));
         let (names, format) = target("x.obj").meshes(1).unwrap();
         assert_eq!((names.path(7), format), ("x.obj".into(), MeshFormat::Obj));
         let (names, _) = target("x.obj").meshes(2).unwrap();

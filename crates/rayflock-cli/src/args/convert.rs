@@ -11,7 +11,7 @@ const EXAMPLES: &str = "\
 What is written:
   The triangles and spheres of each frame, in world space and single precision, +Y up: no
   materials, no normals. .npz is one file for all frames, in the arrays that docs/formats.md tells;
-  .ply and .obj are a file a frame. A .ply has spheres where it has no triangles, an .obj has none.
+  .glb is one too, a mesh with a morph target a frame, if all have the same triangles; .ply and .obj are a file a frame. A .ply has spheres where it has no triangles, an .obj has none.
 
 Examples:
   rayflock convert fox.glb -o fox.npz                      one loop, to be read by NumPy
@@ -29,7 +29,7 @@ pub(crate) struct ConvertArguments {
     #[command(flatten)]
     pub(crate) input: InputArguments,
 
-    /// Where the result goes: a frame set (.npz), a mesh (.ply .obj), a folder of .ply meshes, or
+    /// Where the result goes: a frame set (.npz), morphs (.glb), a mesh (.ply .obj), a folder of .ply meshes, or
     /// a pattern such as out/frame_%04d.obj.
     ///
     /// A mesh path with one frame is exactly that path; with several frames the frame number is
@@ -40,7 +40,7 @@ pub(crate) struct ConvertArguments {
 
     /// Frames to write, both ends included, counted from 0: `A..B`, or `A` for one.
     ///
-    /// Without it, frame sets, folders and patterns get the whole motion once; a single mesh gets
+    /// Without it, frame sets, morphs, folders and patterns get the whole motion once; a single mesh gets
     /// frame 0.
     #[arg(long, value_name = "A..B")]
     pub(crate) frames: Option<FrameRange>,

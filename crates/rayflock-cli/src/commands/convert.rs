@@ -5,7 +5,7 @@ use std::io::{self, BufWriter};
 use std::path::Path;
 
 use anyhow::Context;
-use rayflock::import::export::{FrameMesh, FrameSet, write_obj, write_ply};
+use rayflock::import::export::{FrameMesh, FrameSet, MorphSet, write_obj, write_ply};
 
 use crate::args::ConvertArguments;
 use crate::convert_plan::{ConvertPlan, MeshFormat, MeshTarget};
@@ -35,7 +35,7 @@ fn write(
     progress: &Progress,
 ) -> Result<(), Failure> {
     let meshes = plan.target.meshes(plan.frames.count());
-    let mut set = FrameSet::new();
+    let (mut set, mut morphs) = (FrameSet::new(), MorphSet::new());
     let mut lost_before = false;
     for (done_count, frame) in plan.frames.iter().enumerate() {
         if interrupt.is_raised() {
@@ -45,21 +45,24 @@ fn write(
             )));
         }
         let mesh = mesh(plan, frame)?;
-        match &meshes {
-            None => set.push(&mesh),
-            Some((names, format)) => {
-                if let Some(lost) = lost(&mesh, *format).filter(|_| !lost_before) {
-                    lost_before = true;
-                    let name = &plan.input.name;
-                    progress.say(format_args!("warning: {name}: frame {frame}: {lost}"));
-                }
-                write_mesh(&names.path(frame), *format, &mesh)?;
+        if let Some(lost) = lost(&mesh, &plan.target).filter(|_| !lost_before) {
+            lost_before = true;
+            let name = &plan.input.name;
+            progress.say(format_args!("warning: {name}: frame {frame}: {lost}"));
+        }
+        match (&meshes, &plan.target) {
+            (Some((names, format)), _) => write_mesh(&names.path(frame), *format, &mesh)?,
+            (None, MeshTarget::Morphs(_)) => {
+                let context = || format!("{}: frame {frame}", plan.input.name);
+                morphs.push(&mesh).with_context(context).blame_input()?;
             }
+            (None, _) => set.push(&mesh),
         }
         progress.advance();
     }
     match &plan.target {
         MeshTarget::FrameSet(path) => write_file(path, |out| set.write(plan.fps, out)),
+        MeshTarget::Morphs(path) => write_file(path, |out| morphs.write(plan.fps, out)),
         _ => Ok(()),
     }
 }
@@ -72,11 +75,20 @@ fn mesh(plan: &mut ConvertPlan, frame: u32) -> Result<FrameMesh, Failure> {
     Ok(FrameMesh::new(&evaluated.with_context(context).blame_input()?.geometry))
 }
 
-/// What a format has no place for.
-fn lost(mesh: &FrameMesh, format: MeshFormat) -> Option<String> {
-    let has_room = format == MeshFormat::Ply && mesh.triangles.is_empty();
+/// What a target has no place for.
+fn lost(mesh: &FrameMesh, target: &MeshTarget) -> Option<String> {
+    let format = match target {
+        MeshTarget::FrameSet(_) => return None,
+        MeshTarget::Morphs(_) => ".glb".to_owned(),
+        MeshTarget::Mesh(_, format) | MeshTarget::Meshes(_, format) => {
+            if *format == MeshFormat::Ply && mesh.triangles.is_empty() {
+                return None;
+            }
+            format.to_string()
+        }
+    };
     let count = mesh.spheres.len();
-    (count > 0 && !has_room)
+    (count > 0)
         .then(|| format!("{count} spheres are left out, for which {format} has no place; .npz has"))
 }
 

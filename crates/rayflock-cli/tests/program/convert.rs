@@ -28,6 +28,23 @@ fn a_scene_becomes_a_frame_set_or_a_sequence() {
 }
 
 #[test]
+fn frames_of_the_same_triangles_become_morphs() {
+    let work = Workplace::new();
+    let one = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    work.write("0.obj", one);
+    work.write("1.obj", one.replace("v 1 0 0", "v 3 0 0"));
+    work.run_quietly("convert *.obj --fps 10 -o a.glb");
+    let morphs = info(&work, "a.glb");
+    assert_eq!((&morphs["triangles"], &morphs["bounds"]["max"][0]), (&1.into(), &3.0.into()));
+
+    work.write("2.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 3 2 1\n");
+    let run = work.run("convert *.obj -o b.glb");
+    let expected = "frame 2: found other triangles, expected those as in the first frame";
+    assert!(run.code == 2 && run.stderr.contains(expected), "{}", run.stderr);
+    assert!(!work.path("b.glb").exists());
+}
+
+#[test]
 fn one_frame_goes_to_exactly_the_path() {
     let work = Workplace::new();
     work.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
