@@ -19,7 +19,7 @@
 //! the geometry, if not exactly there.
 //!
 //! What lies on the hull of the scene can be in no one's way, and is left out: a plane that the
-//! whole scene lies on one side of ([`hull_planes`]).
+//! whole scene lies on one side of (`hull_planes`).
 //!
 //! **Source.** L. Szecsi, L. Szirmay-Kalos et al.: virtual light sources with spherical occluders
 //! (Szecsi's thesis, chapter 5), for the idea and the inner and outer radius. R. Wang et al.,
