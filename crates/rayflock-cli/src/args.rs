@@ -7,6 +7,7 @@ mod bench;
 mod convert;
 mod engine;
 mod light;
+mod motion;
 mod numbers;
 mod sense;
 mod sensor_options;
@@ -32,6 +33,7 @@ pub(crate) use engine::EngineChoice;
 pub(crate) use light::{
     ChoiceArgument, IndirectArgument, Integrator, LightArguments, VisibilityArgument,
 };
+pub(crate) use motion::MotionArguments;
 pub(crate) use numbers::{Elevations, Field, Measures, Numbers};
 pub(crate) use sense::{SenseArguments, Shown};
 pub(crate) use sensor_options::{PoseOptions, SensorOptions, ShutterArgument};
@@ -197,9 +199,9 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "A..B")]
     pub(crate) frames: Option<FrameRange>,
 
-    /// Frames a second [default: what the scene states, else 24].
-    #[arg(long, value_name = "RATE", value_parser = parse_fps)]
-    pub(crate) fps: Option<f64>,
+    /// How the scene moves.
+    #[command(flatten)]
+    pub(crate) motion: MotionArguments,
 
     /// Size of the picture in pixels.
     #[arg(long, value_name = "WxH", default_value = "640x360")]
@@ -222,10 +224,6 @@ pub(crate) struct RenderArguments {
     /// The camera, by name [default: the scene's first, else one that frames the whole motion].
     #[arg(long, value_name = "NAME")]
     pub(crate) camera: Option<String>,
-
-    /// The clip, by name [default: the first].
-    #[arg(long, value_name = "NAME")]
-    pub(crate) clip: Option<String>,
 
     /// What traces the rays.
     #[command(flatten)]

@@ -57,10 +57,8 @@ impl ConvertPlan {
     /// Finds everything the user got wrong.
     pub(crate) fn new(args: &ConvertArguments) -> Result<Self, Failure> {
         let target = MeshTarget::from_path(&args.output).blame_input()?;
-        let input = Input::open_at(&args.input, args.fps).blame_input()?;
-        let clip = args.clip.as_deref();
-        let evaluator = Evaluator::new(input.scene.clone(), clip).blame_input()?;
-        let fps = args.fps.unwrap_or_else(|| input.scene.default_frame_rate());
+        let (input, evaluator, fps) =
+            Input::open_moving(&args.input, &args.motion).blame_input()?;
         let whole = FrameRange::first_frames(input.whole_motion(evaluator.clip(), fps));
         let default = match target {
             MeshTarget::Mesh(..) => FrameRange::first_frames(1),

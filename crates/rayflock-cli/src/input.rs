@@ -8,9 +8,9 @@ use std::time::UNIX_EPOCH;
 use anyhow::{Context, Result, bail};
 use rayflock::import::{self, LoadOptions, NumberedFile, Reporter};
 use rayflock::scene::builtin::{self, Builtin};
-use rayflock::scene::{Clip, InBetweens, Scene};
+use rayflock::scene::{Clip, Evaluator, InBetweens, Scene};
 
-use crate::args::InputArguments;
+use crate::args::{InputArguments, MotionArguments};
 
 /// What stands before the name of a built-in scene.
 const BUILTIN: &str = "builtin:";
@@ -37,9 +37,21 @@ impl Input {
         Self::open_at(args, None)
     }
 
+    /// Reads the scene that INPUT names and chooses its clip; tells how many frames there are a
+    /// second as well.
+    pub(crate) fn open_moving(
+        args: &InputArguments,
+        motion: &MotionArguments,
+    ) -> Result<(Self, Evaluator, f64)> {
+        let input = Self::open_at(args, motion.fps)?;
+        let evaluator = Evaluator::new(input.scene.clone(), motion.clip.as_deref())?;
+        let fps = motion.fps.unwrap_or_else(|| input.scene.default_frame_rate());
+        Ok((input, evaluator, fps))
+    }
+
     /// Reads the scene that INPUT names. Sources that are frames by nature are shown at this many a
     /// second, where one is asked for.
-    pub(crate) fn open_at(args: &InputArguments, fps: Option<f64>) -> Result<Self> {
+    fn open_at(args: &InputArguments, fps: Option<f64>) -> Result<Self> {
         match args.name.strip_prefix(BUILTIN) {
             Some(builtin) => Self::builtin(&args.name, builtin),
             None => Self::files(args, fps),

@@ -108,12 +108,10 @@ impl RenderPlan {
         let integrator = args.light.integrator;
         let (depth, samples) = integrator.default_depth_and_samples();
 
-        let input = Input::open_at(&args.input, args.fps).blame_input()?;
-        let clip = args.clip.as_deref();
-        let evaluator = Evaluator::new(input.scene.clone(), clip).blame_input()?;
+        let (input, evaluator, fps) =
+            Input::open_moving(&args.input, &args.motion).blame_input()?;
         let camera =
             PlannedCamera::new(&evaluator, args.camera.as_deref(), args.size).blame_input()?;
-        let fps = args.fps.unwrap_or_else(|| input.scene.default_frame_rate());
         let frames = plan_frames(args.frames, &target, &input, &evaluator, fps).blame_input()?;
 
         Ok(Self {

@@ -4,14 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{InputArguments, parse_fps};
+use super::{InputArguments, MotionArguments};
 use crate::frames::FrameRange;
 
 const EXAMPLES: &str = "\
 What is written:
   The triangles and spheres of each frame, in world space and single precision, +Y up: no
   materials, no normals. .npz is one file for all frames, in the arrays that docs/formats.md tells;
-  .glb is one too, a mesh with a morph target a frame, if all have the same triangles; .ply and .obj are a file a frame. A .ply has spheres where it has no triangles, an .obj has none.
+  .glb is one too, a mesh with a morph target a frame, if all have the same triangles; .ply and
+  .obj are a file a frame. A .ply has spheres where it has no triangles, an .obj has none.
 
 Examples:
   rayflock convert fox.glb -o fox.npz                      one loop, to be read by NumPy
@@ -29,8 +30,8 @@ pub(crate) struct ConvertArguments {
     #[command(flatten)]
     pub(crate) input: InputArguments,
 
-    /// Where the result goes: a frame set (.npz), morphs (.glb), a mesh (.ply .obj), a folder of .ply meshes, or
-    /// a pattern such as out/frame_%04d.obj.
+    /// Where the result goes: a frame set (.npz), morphs (.glb), a mesh (.ply .obj), a folder of
+    /// .ply meshes, or a pattern such as out/frame_%04d.obj.
     ///
     /// A mesh path with one frame is exactly that path; with several frames the frame number is
     /// put before the extension. The last folder of a folder or pattern is created when it is
@@ -40,16 +41,12 @@ pub(crate) struct ConvertArguments {
 
     /// Frames to write, both ends included, counted from 0: `A..B`, or `A` for one.
     ///
-    /// Without it, frame sets, morphs, folders and patterns get the whole motion once; a single mesh gets
-    /// frame 0.
+    /// Without it, frame sets, morphs, folders and patterns get the whole motion once; a single
+    /// mesh gets frame 0.
     #[arg(long, value_name = "A..B")]
     pub(crate) frames: Option<FrameRange>,
 
-    /// Frames a second [default: what the scene states, else 24].
-    #[arg(long, value_name = "RATE", value_parser = parse_fps)]
-    pub(crate) fps: Option<f64>,
-
-    /// The clip, by name [default: the first].
-    #[arg(long, value_name = "NAME")]
-    pub(crate) clip: Option<String>,
+    /// How the scene moves.
+    #[command(flatten)]
+    pub(crate) motion: MotionArguments,
 }

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::{EngineChoice, InputArguments, SensorOptions, TraceArguments, parse_fps, thread_count};
+use super::{
+    EngineChoice, InputArguments, MotionArguments, SensorOptions, TraceArguments, thread_count,
+};
 use crate::frames::FrameRange;
 use crate::size::Size;
 
@@ -57,13 +59,9 @@ pub(crate) struct SenseArguments {
     #[arg(long, value_name = "A..B", default_value = "0")]
     pub(crate) sweeps: FrameRange,
 
-    /// Frames a second of sequences [default: what the scene states, else 24].
-    #[arg(long, value_name = "RATE", value_parser = parse_fps)]
-    pub(crate) fps: Option<f64>,
-
-    /// The clip, by name [default: the first].
-    #[arg(long, value_name = "NAME")]
-    pub(crate) clip: Option<String>,
+    /// How the scene moves.
+    #[command(flatten)]
+    pub(crate) motion: MotionArguments,
 
     /// What traces the beams.
     #[command(flatten)]

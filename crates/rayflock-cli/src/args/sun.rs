@@ -7,7 +7,7 @@ use jiff::civil::Date;
 use jiff::tz::Offset;
 use rayflock::render::sun::Axis;
 
-use super::{EngineChoice, TraceArguments, parse_fps, thread_count};
+use super::{EngineChoice, MotionArguments, TraceArguments, thread_count};
 use crate::frames::FrameRange;
 use crate::size::Size;
 
@@ -115,13 +115,9 @@ pub(crate) struct SunArguments {
     #[arg(long, value_name = "A..B")]
     pub(crate) frames: Option<FrameRange>,
 
-    /// Frames a second [default: what the scene states, else 24].
-    #[arg(long, value_name = "RATE", value_parser = parse_fps)]
-    pub(crate) fps: Option<f64>,
-
-    /// The clip, by name [default: the first].
-    #[arg(long, value_name = "NAME")]
-    pub(crate) clip: Option<String>,
+    /// How the scene moves.
+    #[command(flatten)]
+    pub(crate) motion: MotionArguments,
 
     /// What traces the rays.
     #[command(flatten)]

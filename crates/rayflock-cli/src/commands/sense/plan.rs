@@ -48,8 +48,7 @@ impl SensePlan {
         let outputs = outputs.collect::<Result<_>>().blame_input()?;
         let (preset, options) = sensor_options(args).blame_input()?;
 
-        let input = Input::open_at(&args.input, args.fps).blame_input()?;
-        let evaluator = Evaluator::new(input.scene.clone(), args.clip.as_deref()).blame_input()?;
+        let (input, evaluator, _) = Input::open_moving(&args.input, &args.motion).blame_input()?;
         let sensor = sensor(args, &preset, &options, &evaluator).blame_input()?;
         check_sweeps(args, &sensor.pattern, &input, &evaluator).blame_input()?;
         let picture = picture(args, &sensor.pattern).blame_input()?;

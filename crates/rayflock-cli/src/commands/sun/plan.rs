@@ -59,9 +59,7 @@ impl SunPlan {
         // The file is taken as it lies, so that hours are told in its own axes.
         let (name, up) = (args.name.clone(), UpAxis::Y);
         let input = InputArguments { name, up, detail: None, interpolate: false };
-        let input = Input::open_at(&input, args.fps).blame_input()?;
-        let evaluator = Evaluator::new(input.scene.clone(), args.clip.as_deref()).blame_input()?;
-        let fps = args.fps.unwrap_or_else(|| input.scene.default_frame_rate());
+        let (input, evaluator, fps) = Input::open_moving(&input, &args.motion).blame_input()?;
         let frames = frames(args, &input, &evaluator, fps).blame_input()?;
         let picture = picture(args, &evaluator).blame_input()?;
 
