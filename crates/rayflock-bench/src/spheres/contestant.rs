@@ -126,7 +126,7 @@ impl Contestant {
     ) -> Result<(), RenderError> {
         self.renderer.commit(scene, frame)?;
         let stats = self.renderer.render(view, &self.settings, &mut self.film);
-        let conversion = stats.trace.conversion_ns as f64 * 1e-9;
+        let conversion = stats.stages.indirect.trace.conversion_ns as f64 * 1e-9;
         let gather_seconds = (stats.indirect.gather_seconds - conversion).max(0.0);
         self.samples.push(Sample {
             fit_ms: 1e3 * stats.indirect.fit_seconds,
