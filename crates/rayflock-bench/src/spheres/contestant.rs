@@ -14,7 +14,7 @@ use crate::contest::{NOISY, spread};
 use crate::peer::PeerError;
 use crate::peer::embree::EmbreeLibrary;
 use crate::record::{Cell, Phase};
-use crate::{EngineSpec, Quartiles};
+use crate::{BenchError, EngineSpec, Quartiles};
 
 /// Width and height of the pictures that bring a frame before to everything.
 const TINY: (usize, usize) = (8, 6);
@@ -92,6 +92,14 @@ impl Contestant {
             film: Film::new(width, height),
             samples: Vec::new(),
         })
+    }
+
+    /// Whether what was measured is the engine's own work.
+    ///
+    /// # Errors
+    /// [`BenchError::HandedOver`] when it is not.
+    pub(super) fn check(&self) -> Result<(), BenchError> {
+        BenchError::unless_own(&self.name, self.renderer.notice())
     }
 
     /// Mean of fitting and gathering over everything measured, in milliseconds.
