@@ -12,6 +12,9 @@ from rayflock import _arguments as arguments
 from rayflock import _native
 from rayflock._scene import Scene
 
+#: The longest edge of a picture in pixels, as in the program.
+MAX_EDGE = 16_384
+
 
 class Picture(np.ndarray):
     """An array of pixels, (height, width, 3), that notebooks show: uint8 as on a screen, or float32
@@ -60,8 +63,8 @@ def render(
 
     Args:
         scene: what is seen.
-        width: pixels a row.
-        height: rows.
+        width: pixels a row, at most 16384.
+        height: rows, at most 16384.
         camera: a camera of the file, by name; by default its first. A scene without cameras is
             seen as a whole, with +Y up.
         eye: where to look from instead, (3,), with ``center``.
@@ -84,10 +87,7 @@ def render(
         raise TypeError("give both eye and center, or neither")
     if camera is not None and eye is not None:
         raise TypeError("give either a camera, or eye and center, not both")
-    size = {
-        "width": _count(width, "width", 1, 1 << 16),
-        "height": _count(height, "height", 1, 1 << 16),
-    }
+    size = _size(width, height)
     question: dict[str, Any] = {
         **size,
         "camera": camera,
@@ -104,6 +104,15 @@ def render(
     }
     pixels = scene._native.render(question)
     return pixels.reshape(size["height"], size["width"], 3).view(Picture)
+
+
+def _size(width: int, height: int) -> dict[str, int]:
+    size = {"width": _whole(width, "width"), "height": _whole(height, "height")}
+    if not all(1 <= edge <= MAX_EDGE for edge in size.values()):
+        raise ValueError(
+            f"width and height must lie in 1..{MAX_EDGE}, found {size['width']} x {size['height']}"
+        )
+    return size
 
 
 def _view(
@@ -130,10 +139,14 @@ def _triple(value: ArrayLike, name: str) -> tuple[float, float, float]:
 
 
 def _count(value: int, name: str, least: int, most: int) -> int:
-    try:
-        count = value.__index__()
-    except AttributeError:
-        raise TypeError(f"{name} must be a whole number, found {type(value).__name__}") from None
+    count = _whole(value, name)
     if not least <= count <= most:
         raise ValueError(f"{name} must lie in {least}..{most}, found {count}")
     return count
+
+
+def _whole(value: int, name: str) -> int:
+    try:
+        return value.__index__()
+    except AttributeError:
+        raise TypeError(f"{name} must be a whole number, found {type(value).__name__}") from None
