@@ -30,3 +30,8 @@ pub(crate) fn read<T: bytemuck::Pod>(
     read_back.run(context, encoder, bytes, take).unwrap();
     found
 }
+
+/// Whether numbers of a device are those of the host, within rounding.
+pub(crate) fn near(found: &[f32], expected: &[f32]) -> bool {
+    found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 3e-5 * (1.0 + b.abs()))
+}
