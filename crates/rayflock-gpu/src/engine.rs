@@ -150,10 +150,10 @@ impl RayEngine for GpuEngine {
         geometry: &Geometry,
         changes: &FrameChanges,
     ) -> Result<CommitStats, EngineError> {
-        let stats = self.primitives.commit(&self.context, geometry, changes, self.kind.name())?;
         if let Some(standby) = &mut self.standby {
             return standby.commit(geometry, changes);
         }
+        let stats = self.primitives.commit(&self.context, geometry, changes, self.kind.name())?;
         self.method.prepare(&self.context, &self.primitives);
         Ok(stats)
     }
