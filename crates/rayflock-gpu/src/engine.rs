@@ -184,6 +184,7 @@ impl RayEngine for GpuEngine {
         let standby = self.standby.as_ref().map_or(0, |standby| standby.engine.memory_usage());
         self.primitives.memory_usage()
             + self.method.memory_usage()
+            + self.slots.memory_usage()
             + self.run.memory_usage()
             + standby
     }
