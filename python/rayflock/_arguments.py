@@ -95,12 +95,17 @@ def scalar(value: ArrayLike, name: str) -> float:
     return float(array)
 
 
-def count(value: int, name: str, least: int, most: int) -> int:
-    """A whole number within limits, both included."""
+def whole(value: int, name: str) -> int:
+    """A whole number."""
     try:
-        found = operator.index(value)
+        return operator.index(value)
     except TypeError:
         raise TypeError(f"{name} must be a whole number, found {type(value).__name__}") from None
+
+
+def count(value: int, name: str, least: int, most: int) -> int:
+    """A whole number within limits, both included."""
+    found = whole(value, name)
     if not least <= found <= most:
         raise ValueError(f"{name} must lie in {least}..{most}, found {found}")
     return found

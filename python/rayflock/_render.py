@@ -11,6 +11,9 @@ from rayflock import _arguments as arguments
 from rayflock._picture import Picture
 from rayflock._scene import Scene
 
+#: The longest edge of a picture in pixels, as in the program.
+MAX_EDGE = 16_384
+
 
 def render(
     scene: Scene,
@@ -36,8 +39,8 @@ def render(
 
     Args:
         scene: what is seen.
-        width: pixels a row.
-        height: rows.
+        width: pixels a row, at most 16384.
+        height: rows, at most 16384.
         camera: a camera of the file, by name; by default its first. A scene without cameras is
             seen as a whole, with +Y up.
         eye: where to look from instead, (3,), with ``center``.
@@ -60,10 +63,7 @@ def render(
         raise TypeError("give both eye and center, or neither")
     if camera is not None and eye is not None:
         raise TypeError("give either a camera, or eye and center, not both")
-    size = {
-        "width": arguments.count(width, "width", 1, 1 << 16),
-        "height": arguments.count(height, "height", 1, 1 << 16),
-    }
+    size = _size(width, height)
     question: dict[str, Any] = {
         **size,
         "camera": camera,
@@ -80,6 +80,15 @@ def render(
     }
     pixels = scene._native.render(question)
     return pixels.reshape(size["height"], size["width"], 3).view(Picture)
+
+
+def _size(width: int, height: int) -> dict[str, int]:
+    size = {"width": arguments.whole(width, "width"), "height": arguments.whole(height, "height")}
+    if not all(1 <= edge <= MAX_EDGE for edge in size.values()):
+        raise ValueError(
+            f"width and height must lie in 1..{MAX_EDGE}, found {size['width']} x {size['height']}"
+        )
+    return size
 
 
 def _view(

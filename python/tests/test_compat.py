@@ -1,6 +1,7 @@
 """The same calls on both sides: the real library, and what stands in for it."""
 
 import copy
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -164,6 +165,21 @@ class TestEmbreex:
             assert_ids_agree(ours, theirs)
             assert len(set(ours.tolist())) > 1
 
+    @pytest.mark.parametrize(
+        "options", [{"query": "INTERSECT"}, {"query": "DISTANCE"}, {"output": True}]
+    )
+    def test_distances_are_told_in_place_where_they_are_asked_for(self, mesh, rays, options):
+        def call(scene):
+            dists = np.full(2 * RAYS, 9, np.float32)[::2]
+            answer = scene.run(rays[:, :3].copy(), rays[:, 3:].copy(), dists, **options)
+            if options != {"query": "INTERSECT"}:
+                assert (answer["tfar"] if "output" in options else answer) is dists
+            return dists
+
+        ours, theirs = self.both(mesh, call)
+        assert np.mean(~np.isclose(ours, theirs, rtol=1e-4)) < 3e-3
+        assert (ours == 9).all() == (options == {"query": "INTERSECT"})
+
     def test_output(self, mesh, rays):
         call = lambda scene: scene.run(rays[:, :3].copy(), rays[:, 3:].copy(), output=True)
         ours, theirs = self.both(mesh, call)
@@ -246,6 +262,22 @@ class TestTrimesh:
             rays[:, :3], rays[:, 3:], multiple_hits, max_hits=1
         )
         assert len(index_ray) == len(set(index_ray))
+
+    def test_a_vertex_that_is_not_finite_costs_its_own_triangles_alone(self, rays):
+        origins, directions = rays[:, :3], rays[:, 3:]
+        before = self.ours.intersects_first(origins, directions)
+        vertices, faces = np.array(self.mesh.vertices), np.array(self.mesh.faces)
+        broken = faces[before.max(), 0]
+        vertices[broken] = [np.nan, np.inf, 0]
+        is_whole = ~(faces == broken).any(axis=1)
+        ours = our_trimesh.RayMeshIntersector(SimpleNamespace(vertices=vertices, faces=faces))
+        after = ours.intersects_first(origins, directions)
+        is_kept = (before >= 0) & is_whole[before]
+        assert is_kept.any()
+        assert_ids_agree(after[is_kept], before[is_kept])
+        assert is_whole[after[after >= 0]].all()
+        ours.mesh.vertices[:] = np.nan
+        assert not ours.intersects_any(origins, directions).any()
 
     def test_hits_of_a_ray_go_from_near_to_far(self, rays):
         locations, index_ray, _ = self.ours.intersects_location(rays[:, :3], rays[:, 3:])

@@ -137,7 +137,8 @@ def test_notebooks_show_pictures(one_triangle, tmp_path):
 def test_wrong_options_of_pictures_are_told(one_triangle):
     scene, _ = one_triangle
     mistakes = [
-        ({"width": 0}, ValueError, "width must lie in 1"),
+        ({"width": 0}, ValueError, "must lie in 1..16384, found 0 x 360"),
+        ({"width": 4, "height": 16385}, ValueError, "must lie in 1..16384, found 4 x 16385"),
         ({"height": 2.5}, TypeError, "height must be a whole number"),
         ({"camera": "Front"}, ValueError, 'no camera "Front"'),
         ({"eye": (0, 0, 1)}, TypeError, "both eye and center"),

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from alembic3d import Abc, AbcGeom
 
-from frame_set import Frame, triangulate
+from frame_set import Frame, check_corners, triangulate
 
 
 class AbcFile:
@@ -97,8 +97,7 @@ def _placed(points: object, world: np.ndarray) -> np.ndarray:
 def _add_mesh(sample: AbcGeom.IPolyMeshSchemaSample, world: np.ndarray, frame: Frame) -> None:
     points = _placed(sample.getPositions(), world)
     corners = np.array(list(sample.getFaceIndices()), np.int64)
-    if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):
-        raise ValueError(f"found a face at vertex {corners.max()}, of {len(points)}")
+    check_corners(corners, len(points))
     triangles = triangulate(np.array(list(sample.getFaceCounts()), np.int64), corners)
     # Faces of Alembic are clockwise as seen from outside.
     is_mirrored = np.linalg.det(world[:3, :3]) < 0

@@ -51,6 +51,15 @@ def triangulate(counts: np.ndarray, corners: np.ndarray) -> np.ndarray:
     return np.stack([corners[first], corners[first + step + 1], corners[first + step + 2]], axis=1)
 
 
+def check_corners(corners: np.ndarray, vertex_count: int) -> None:
+    """Refuses faces at vertices that are not there."""
+    wrong = corners[(corners < 0) | (corners >= vertex_count)]
+    if len(wrong):
+        raise ValueError(
+            f"found a face at vertex {wrong[0]}, expected at least 0 and less than {vertex_count}"
+        )
+
+
 def write(path: Path, frames: list[Frame], frame_rate: float) -> None:
     """Writes frames in the arrays that Rayflock reads, each with offsets."""
     arrays: dict[str, np.ndarray] = {"frame_rate": np.float64(frame_rate)}

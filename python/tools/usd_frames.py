@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import gzip
 import tempfile
+import zlib
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from pxr import Usd, UsdGeom, UsdSkel
 
-from frame_set import Frame, triangulate
+from frame_set import Frame, check_corners, triangulate
 
 _RENDERED = (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)
 
@@ -98,13 +99,20 @@ class UsdFile:
 
 
 def _open(path: Path) -> Usd.Stage:
-    if path.suffix != ".gz":
+    if path.suffix.lower() != ".gz":
         return Usd.Stage.Open(str(path))
     # USD reads no compressed text.
     with tempfile.TemporaryDirectory() as folder:
         plain = Path(folder) / path.stem
-        plain.write_bytes(gzip.decompress(path.read_bytes()))
+        plain.write_bytes(_unpacked(path))
         return Usd.Stage.Open(str(plain))
+
+
+def _unpacked(path: Path) -> bytes:
+    try:
+        return gzip.decompress(path.read_bytes())
+    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+        raise ValueError(f"damaged gzip: {error}") from None
 
 
 def _scale(world: np.ndarray) -> float:
@@ -121,8 +129,7 @@ def _add_mesh(mesh: UsdGeom.Mesh, time: float, world: np.ndarray, frame: Frame) 
     points = _placed(mesh.GetPointsAttr().Get(time), world)
     counts = np.array(mesh.GetFaceVertexCountsAttr().Get(time) or [], np.int64)
     corners = np.array(mesh.GetFaceVertexIndicesAttr().Get(time) or [], np.int64)
-    if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):
-        raise ValueError(f"found a face at vertex {corners.max()}, of {len(points)}")
+    check_corners(corners, len(points))
     holes = mesh.GetHoleIndicesAttr().Get(time)
     if holes:
         keep = np.ones(len(counts), bool)

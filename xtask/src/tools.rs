@@ -70,10 +70,10 @@ pub(crate) fn want_python(root: &Path) {
     }
 }
 
-/// The folder that cargo builds in.
+/// The folder that cargo builds in: cargo is called in the root, which relative names are below.
 pub(crate) fn target(root: &Path) -> PathBuf {
     let given = std::env::var_os("CARGO_TARGET_DIR").filter(|folder| !folder.is_empty());
-    given.map_or_else(|| root.join("target"), PathBuf::from)
+    given.map_or_else(|| root.join("target"), |folder| root.join(folder))
 }
 
 fn is_root() -> bool {

@@ -35,6 +35,14 @@ pub enum BenchError {
         /// What is wrong with it.
         source: RenderError,
     },
+    /// An engine has handed its work over to another, as when a device is lost.
+    #[error("{engine} cannot be measured: {notice}")]
+    HandedOver {
+        /// Its name.
+        engine: String,
+        /// What it says itself.
+        notice: String,
+    },
     /// An engine of others cannot be had.
     #[error(transparent)]
     Peer(#[from] PeerError),
@@ -99,6 +107,14 @@ pub enum BenchError {
     /// A chart cannot be drawn.
     #[error("cannot draw a chart: {0}")]
     Draw(String),
+}
+
+impl BenchError {
+    /// An error where an engine's `notice` says that another does its work.
+    pub(crate) fn unless_own(engine: &str, notice: Option<&str>) -> Result<(), Self> {
+        let Some(notice) = notice else { return Ok(()) };
+        Err(Self::HandedOver { engine: engine.to_owned(), notice: notice.to_owned() })
+    }
 }
 
 fn kind_names() -> String {

@@ -199,6 +199,7 @@ impl Stage<'_> {
         for contestant in contestants {
             turn(contestant, &scene, scene_frame)
                 .map_err(|source| BenchError::Render { frame, source })?;
+            contestant.check()?;
         }
         Ok(())
     }

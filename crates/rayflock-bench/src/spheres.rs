@@ -197,6 +197,7 @@ impl Stage<'_> {
         for contestant in contestants {
             turn(contestant, &scene, scene_frame, &(self.view)(scene_frame))
                 .map_err(|source| BenchError::Render { frame, source })?;
+            contestant.check()?;
         }
         Ok(())
     }

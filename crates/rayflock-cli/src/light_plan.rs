@@ -42,6 +42,17 @@ impl Integrator {
     }
 }
 
+impl IndirectArgument {
+    /// The name on the command line.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Vpl => "vpl",
+            Self::Lightcuts => "lightcuts",
+        }
+    }
+}
+
 /// How indirect light is found, if what is asked fits together.
 pub(crate) fn plan_indirect(args: &LightArguments) -> Result<Indirect> {
     let defaults = VplSettings::default();
@@ -64,7 +75,8 @@ pub(crate) fn plan_indirect(args: &LightArguments) -> Result<Indirect> {
         IndirectArgument::Vpl | IndirectArgument::Lightcuts => {
             ensure!(
                 args.integrator == Integrator::Whitted,
-                "--indirect vpl needs --integrator whitted: path finds such light by itself"
+                "--indirect {} needs --integrator whitted: path finds such light by itself",
+                args.indirect.name()
             );
             let visibility = match args.visibility {
                 None | Some(VisibilityArgument::Exact) => Visibility::Exact,
@@ -191,8 +203,11 @@ mod tests {
     fn what_does_not_fit_together_is_told() {
         let error = planned("--vpls 7").unwrap_err().to_string();
         assert_eq!(error, "--vpls is about virtual lights: it needs --indirect vpl");
-        let error = planned("--integrator path --indirect vpl").unwrap_err().to_string();
-        assert!(error.starts_with("--indirect vpl needs --integrator whitted"), "{error}");
+        for asked in ["--indirect vpl", "--indirect lightcuts"] {
+            let error = planned(&format!("--integrator path {asked}")).unwrap_err().to_string();
+            let expected = format!("{asked} needs --integrator whitted");
+            assert!(error.starts_with(&expected), "{error}");
+        }
         assert!(planned("--indirect vpl --vpl-bound -1").is_err());
         let error = planned("--indirect vpl --spheres 9").unwrap_err().to_string();
         assert_eq!(error, "--spheres needs --visibility spheres");

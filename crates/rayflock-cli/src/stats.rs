@@ -91,6 +91,8 @@ pub(crate) struct StageRecords {
     pub(crate) secondary: StageRecord,
     /// Rays towards lights.
     pub(crate) shadow: StageRecord,
+    /// Walks from lights, and rays towards virtual ones.
+    pub(crate) indirect: StageRecord,
 }
 
 /// What tracing the rays of one stage took.
@@ -133,6 +135,7 @@ impl StageRecords {
             primary: StageRecord::new(&stages.primary),
             secondary: StageRecord::new(&stages.secondary),
             shadow: StageRecord::new(&stages.shadow),
+            indirect: StageRecord::new(&stages.indirect),
         }
     }
 }

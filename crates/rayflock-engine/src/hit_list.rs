@@ -1,7 +1,9 @@
 //! All hits of each ray, from near to far.
 //!
 //! The closest hit of all rays is asked for again and again, each time beyond the hit before, for
-//! the rays that still had one. Any engine serves; rays keep their order and what they share.
+//! the rays that still had one. Any engine of this crate serves: hits are asked for at exactly the
+//! distance that another engine found, and distances of engines on the graphics card are not the
+//! same in every bit. Rays keep their order and what they share.
 //!
 //! An object is met once at one distance: a ray through the common edge of two triangles of a mesh
 //! crosses its surface there once, which is what counting is for. Surfaces of different objects at
@@ -9,8 +11,9 @@
 //! are several objects, an engine that holds them in reversed order tells which rays have more than
 //! one, and those rays ask every object for itself.
 //!
-//! **Cost.** A batch for each hit of the ray that has most, twice that where there are several
-//! objects; a commit of each object whenever surfaces of two coincide.
+//! **Cost.** A batch for each hit of the ray that has most. Where there are several objects, twice
+//! that, and a commit of all of them, reversed, in every call; a commit of each object whenever
+//! surfaces of two coincide.
 
 use glam::Vec3;
 use rayflock_geom::{

@@ -58,8 +58,12 @@ impl fmt::Display for AdapterSummary {
 impl FromStr for AdapterChoice {
     type Err = GpuError;
 
-    /// A number, or a part of a name.
+    /// A number, or a part of a name. Digits alone are a number: `1060` is not a part of a name,
+    /// but `GTX 1060` is.
     fn from_str(text: &str) -> Result<Self, GpuError> {
+        if text.is_empty() {
+            return Err(GpuError::EmptyName);
+        }
         if let Ok(number) = text.parse() {
             return Ok(Self::Number(number));
         }

@@ -20,7 +20,7 @@
 //! **Invariants.** No pair is dropped: where there are more than a buffer holds, it grows, up to
 //! what WebGPU guarantees, and then the rays are split.
 //!
-//! **Cost.** Roots times chunks, and what is left of them; 21 bytes of pairs and lists each.
+//! **Cost.** Roots times chunks, and what is left of them; 20 bytes of pairs and lists each.
 
 mod buffers;
 mod stages;
@@ -38,14 +38,18 @@ use crate::layout::{Counters, DeviceHit, DeviceRay, Params};
 use crate::method::{Method, Question, TestCounts};
 use crate::pipeline::groups_of;
 use crate::primitives::{Part, PrimitiveStore};
-use crate::slots::{Run, TILE_RAYS};
+use crate::slots::{RUN_SLOTS, Run, TILE_RAYS};
 use crate::{GpuContext, GpuError};
 
 /// As in `compute/params.wgsl`.
-const CHUNK_PRIMS: usize = 16;
-const FAN_OUT: usize = 16;
+pub(crate) const CHUNK_PRIMS: usize = 16;
+pub(crate) const FAN_OUT: usize = 16;
 
-/// Pairs for which there is room at first, and at most: 64 MiB.
+/// Where the cones of nodes and of roots begin, as in `compute/params.wgsl`.
+pub(crate) const FIRST_NODE: usize = RUN_SLOTS / TILE_RAYS;
+pub(crate) const FIRST_ROOT: usize = FIRST_NODE + FIRST_NODE / FAN_OUT;
+
+/// Pairs that a buffer has room for at first, and at most: 64 MiB.
 const FIRST_CAPACITY: usize = 1 << 18;
 const LARGEST_CAPACITY: usize = 1 << 23;
 
@@ -159,7 +163,7 @@ impl Compute {
             tile_count: span.tiles.len() as u32,
             chunk_count: span.chunk_count() as u32,
             pair_capacity: self.pair_capacity as u32,
-            question: u32::from(span.question == Question::Occluded),
+            question: span.question as u32,
         };
         self.buffers.reserve(context, &params);
         let mut encoder = context.device.create_command_encoder(&Default::default());

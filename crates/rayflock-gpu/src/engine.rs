@@ -150,10 +150,10 @@ impl RayEngine for GpuEngine {
         geometry: &Geometry,
         changes: &FrameChanges,
     ) -> Result<CommitStats, EngineError> {
-        let stats = self.primitives.commit(&self.context, geometry, changes, self.kind.name())?;
         if let Some(standby) = &mut self.standby {
             return standby.commit(geometry, changes);
         }
+        let stats = self.primitives.commit(&self.context, geometry, changes, self.kind.name())?;
         self.method.prepare(&self.context, &self.primitives);
         Ok(stats)
     }
@@ -184,6 +184,7 @@ impl RayEngine for GpuEngine {
         let standby = self.standby.as_ref().map_or(0, |standby| standby.engine.memory_usage());
         self.primitives.memory_usage()
             + self.method.memory_usage()
+            + self.slots.memory_usage()
             + self.run.memory_usage()
             + standby
     }

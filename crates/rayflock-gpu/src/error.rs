@@ -20,6 +20,9 @@ pub enum GpuError {
         /// The adapters, with their numbers.
         there: String,
     },
+    /// The name of an adapter is empty.
+    #[error("no adapter is named; expected its number, or a part of its name")]
+    EmptyName,
     /// The name of an adapter is too long to be kept.
     #[error("\"{found}\" is too long for the name of an adapter; a part of the name will do")]
     LongName {

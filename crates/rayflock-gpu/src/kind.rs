@@ -90,4 +90,13 @@ mod tests {
         let error = "gpu:warp@0".parse::<GpuEngineSpec>().unwrap_err();
         assert!(error.to_string().contains("\"gpu:warp\"; there are: gpu:brute"), "{error}");
     }
+
+    #[test]
+    fn an_adapter_must_be_named_after_the_sign_for_it() {
+        let error = "gpu:brute@".parse::<GpuEngineSpec>().unwrap_err();
+        assert!(
+            error.to_string().contains("expected its number, or a part of its name"),
+            "{error}"
+        );
+    }
 }

@@ -1,7 +1,7 @@
 //! What host and device share, byte by byte.
 //!
-//! WGSL states each structure once; a test compares these with it (`tests/shaders.rs` of the
-//! crate reads sizes and offsets by naga).
+//! WGSL states each structure and constant once; tests compare these with it
+//! (`src/shaders/tests.rs` reads sizes, offsets and values by naga).
 
 use bytemuck::{Pod, Zeroable};
 

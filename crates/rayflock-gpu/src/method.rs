@@ -11,9 +11,9 @@ use crate::{GpuContext, GpuError};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Question {
     /// The nearest hit.
-    Closest,
-    /// Whether there is any.
-    Occluded,
+    Closest = 0,
+    /// Whether there is any: `QUESTION_OCCLUDED` of `compute/params.wgsl`.
+    Occluded = 1,
 }
 
 /// Tests that a run of rays took, each in lanes: those without an active ray are counted too.
@@ -59,6 +59,6 @@ pub(crate) trait Method: Debug + Send {
         question: Question,
     ) -> Result<TestCounts, GpuError>;
 
-    /// Bytes held on the device.
+    /// Bytes held, on either side.
     fn memory_usage(&self) -> usize;
 }

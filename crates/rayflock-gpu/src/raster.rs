@@ -236,3 +236,35 @@ impl Method for Raster {
         self.textures.memory_usage() + cones + others as usize
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use rayflock_geom::{FrameChanges, Geometry, GeometryObject, ObjectId};
+    use rayflock_testkit::Rng;
+    use rayflock_testkit::scenes::{SoupKind, spheres, triangle_soup};
+
+    use super::*;
+    use crate::testing::{contexts, near, read};
+    use crate::twins::{self, DeviceSphere};
+
+    /// Triangles and spheres, some of which are ignored.
+    #[test]
+    fn spheres_around_primitives_agree_with_their_twin() {
+        let mut rng = Rng::new(53);
+        let soup = triangle_soup(&mut rng, SoupKind::Plain, 100, Vec3::ZERO, 1.0);
+        let mesh = soup.with_spheres(spheres(&mut rng, 50, Vec3::ZERO, 1.0));
+        let geometry = Geometry::new(vec![GeometryObject::new(ObjectId(0), mesh)]).unwrap();
+        for context in contexts() {
+            let mut primitives = PrimitiveStore::default();
+            primitives.commit(context, &geometry, &FrameChanges::all(), "gpu:raster").unwrap();
+            let mut raster = Raster::new(context);
+            raster.prepare(context, &primitives);
+            let found: Vec<DeviceSphere> = read(context, raster.spheres[0].buffer(), 150);
+            for (prim, sphere) in primitives.host().iter().zip(&found) {
+                let expected = twins::bound_primitives(prim);
+                assert!(near(sphere, &expected), "{prim:?}: {sphere:?}, not {expected:?}");
+            }
+        }
+    }
+}

@@ -5,7 +5,8 @@
 //!   tile s / 64
 //! ```
 //!
-//! **Cost.** 56 bytes a texel for 512 x 512 texels, and as many bytes on the host.
+//! **Cost.** On the device 56 bytes a texel for 512 x 512 texels; on the host 36 bytes a texel for
+//! the most rows that were sent at a time.
 
 use wgpu::{
     Color, CommandEncoder, CommandEncoderDescriptor, CompareFunction, DepthStencilState, Extent3d,
@@ -77,6 +78,14 @@ struct Staged {
     origins: Vec<[f32; 4]>,
     directions: Vec<[f32; 4]>,
     masks: Vec<u32>,
+}
+
+impl Staged {
+    /// Bytes held.
+    fn memory_usage(&self) -> usize {
+        let rays = self.origins.capacity() + self.directions.capacity();
+        rays * size_of::<[f32; 4]>() + self.masks.capacity() * size_of::<u32>()
+    }
 }
 
 impl RayTextures {
@@ -177,9 +186,10 @@ impl RayTextures {
         })
     }
 
-    /// Bytes held on the device.
-    pub(crate) const fn memory_usage(&self) -> usize {
-        EDGE * EDGE * (3 * 16 + 2 * 4)
+    /// Bytes held, on either side.
+    pub(crate) fn memory_usage(&self) -> usize {
+        let textures = EDGE * EDGE * (3 * 16 + 2 * 4);
+        textures + self.staged.memory_usage()
     }
 }
 

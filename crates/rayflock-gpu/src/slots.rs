@@ -79,6 +79,11 @@ impl Slots {
         (idx != NO_RAY).then_some(idx as usize)
     }
 
+    /// Bytes held.
+    pub(crate) fn memory_usage(&self) -> usize {
+        self.ray_idx.capacity() * size_of::<u32>()
+    }
+
     fn assign_image(&mut self, image: Image) {
         let (columns, rows) = (image.width.div_ceil(TILE_EDGE), image.height.div_ceil(TILE_EDGE));
         let mut tiles: Vec<_> = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))).collect();

@@ -14,7 +14,7 @@
 //! down where they would send back more than arrives.
 //!
 //! **Invariants**: the picture does not depend on the engine, the number of threads, or the batch
-//! limit. It converges, as samples grow, to all light that is scattered at most `depth` times; but
+//! limit. It converges, as samples grow, to all light that is scattered at most `depth + 1` times; but
 //! for the light of lamps without size that comes through glass or by a mirror onto a rough
 //! surface, which no path can find.
 //!
@@ -40,7 +40,7 @@ use crate::stages::group_rays::group_rays;
 use crate::stages::scatter_paths::scatter_paths;
 use crate::stages::shade_surface::Surroundings;
 use crate::stages::shadow_rays::{ShadowTarget, shadow_batch, shadow_rays};
-use crate::stats::Stopwatch;
+use crate::stats::{Stage, StageStats, Stopwatch};
 use crate::wave::{ShadedRun, ShadowWave, Wave};
 use crate::whitted::{bands, render_background};
 use crate::{Film, FrameRenderer, FrameStats, RenderError, RenderSettings, View};
@@ -129,6 +129,10 @@ impl FrameRenderer for PathTracer {
     fn facts(&self) -> Vec<Fact> {
         self.engine.facts()
     }
+
+    fn notice(&self) -> Option<&str> {
+        self.engine.notice()
+    }
 }
 
 fn pixels_of(rows: &Range<usize>, width: usize) -> Range<usize> {
@@ -177,8 +181,9 @@ impl<'a> Picture<'a> {
         let wave = &buffers.wave;
         buffers.hits.reset(wave.len());
         let stopwatch = Stopwatch::start();
-        stats.trace += engine.closest_hit(&wave.batch(), &mut buffers.hits.as_hits());
-        stats.trace_seconds += stopwatch.seconds();
+        let trace = engine.closest_hit(&wave.batch(), &mut buffers.hits.as_hits());
+        let stage = if wave.bounce == 0 { Stage::Primary } else { Stage::Secondary };
+        stats.add_traced(stage, StageStats { trace, seconds: stopwatch.seconds() });
 
         scatter_paths(&self.surroundings, sample_idx, wave, &buffers.hits, &mut buffers.runs);
         buffers.sums.add_unshadowed(&buffers.runs);
@@ -209,8 +214,9 @@ fn light_points(
     if count > 0 {
         let stopwatch = Stopwatch::start();
         let batch = shadow_batch(target, &buffers.shadow);
-        stats.trace += engine.occluded(&batch, &mut buffers.occluded);
-        stats.trace_seconds += stopwatch.seconds();
+        let trace = engine.occluded(&batch, &mut buffers.occluded);
+        let traced = StageStats { trace, seconds: stopwatch.seconds() };
+        stats.add_traced(Stage::Shadow, traced);
         stats.rays.shadow += count as u64;
     }
     buffers.sums.add_lit(&buffers.runs, &buffers.occluded);

@@ -12,10 +12,10 @@ pub struct RenderSettings {
     pub samples_per_pixel: u32,
     /// How many times a ray is mirrored or refracted at most, `0..=32`; 0 shows no reflections.
     pub depth: u32,
-    /// Whether lights cast shadows.
+    /// Whether lights cast shadows; those of the path tracer do.
     pub shadows: bool,
     /// Points sampled on emitting surfaces for each visible point and sample, `1..=1024`. More
-    /// make soft shadows less noisy.
+    /// make soft shadows less noisy. The path tracer samples one for each turn of a path.
     pub light_samples: u32,
     /// How light is found that was scattered before; the path tracer finds it anyhow.
     pub indirect: Indirect,

@@ -5,6 +5,7 @@
 
 pub(crate) mod background;
 pub(crate) mod fresnel;
+pub(crate) mod luminance;
 pub(crate) mod sampling;
 pub(crate) mod scatter;
 pub(crate) mod surface_point;

@@ -36,10 +36,10 @@ pub struct StageStats {
     pub seconds: f64,
 }
 
-impl StageStats {
-    pub(crate) fn add(&mut self, trace: TraceStats, seconds: f64) {
-        self.trace += trace;
-        self.seconds += seconds;
+impl std::ops::AddAssign for StageStats {
+    fn add_assign(&mut self, other: Self) {
+        self.trace += other.trace;
+        self.seconds += other.seconds;
     }
 }
 
@@ -52,6 +52,17 @@ pub struct TraceStages {
     pub secondary: StageStats,
     /// Rays between surfaces and lights.
     pub shadow: StageStats,
+    /// Walks from lights, and rays between surfaces and virtual lights.
+    pub indirect: StageStats,
+}
+
+/// A stage of [`TraceStages`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    Primary,
+    Secondary,
+    Shadow,
+    Indirect,
 }
 
 /// What rendering a frame took.
@@ -71,6 +82,21 @@ pub struct FrameStats {
     pub shade_seconds: f64,
     /// Contributions that were not finite and therefore left out, as from values beyond `f32`.
     pub dropped: u64,
+}
+
+impl FrameStats {
+    /// Adds what tracing took, in a stage and in all.
+    pub(crate) fn add_traced(&mut self, stage: Stage, traced: StageStats) {
+        self.trace += traced.trace;
+        self.trace_seconds += traced.seconds;
+        let stages = &mut self.stages;
+        *match stage {
+            Stage::Primary => &mut stages.primary,
+            Stage::Secondary => &mut stages.secondary,
+            Stage::Shadow => &mut stages.shadow,
+            Stage::Indirect => &mut stages.indirect,
+        } += traced;
+    }
 }
 
 /// What light from virtual lights took.

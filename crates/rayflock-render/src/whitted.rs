@@ -33,7 +33,7 @@ use crate::stages::light_dots::light_dots;
 use crate::stages::shade_surface::{Surroundings, shade_surface};
 use crate::stages::shadow_rays::{ShadowTarget, shadow_batch, shadow_rays};
 use crate::stages::show::{count_rays, count_shadow_rays, show_surface};
-use crate::stats::Stopwatch;
+use crate::stats::{Stage, StageStats, Stopwatch};
 use crate::vpl::indirect::IndirectLight;
 use crate::wave::{ShadedRun, ShadowWave, Wave};
 use crate::{Film, FrameRenderer, FrameStats, Indirect, RenderError, RenderSettings, Shown, View};
@@ -261,12 +261,8 @@ impl<'a> Picture<'a> {
         let span = debug_span!("closest_hit").entered();
         let trace = engine.closest_hit(&wave.batch(), &mut buffers.hits.as_hits());
         drop(span);
-        let seconds = stopwatch.seconds();
-        stats.trace += trace;
-        stats.trace_seconds += seconds;
-        let stages = &mut stats.stages;
-        let stage = if wave.bounce == 0 { &mut stages.primary } else { &mut stages.secondary };
-        stage.add(trace, seconds);
+        let stage = if wave.bounce == 0 { Stage::Primary } else { Stage::Secondary };
+        stats.add_traced(stage, StageStats { trace, seconds: stopwatch.seconds() });
 
         let shown = self.settings.shown;
         if matches!(shown, Shown::Normals | Shown::Depth) {
@@ -318,10 +314,8 @@ impl<'a> Picture<'a> {
             let span = debug_span!("occluded").entered();
             let trace = engine.occluded(&batch, &mut buffers.occluded);
             drop(span);
-            let seconds = stopwatch.seconds();
-            stats.trace += trace;
-            stats.trace_seconds += seconds;
-            stats.stages.shadow.add(trace, seconds);
+            let traced = StageStats { trace, seconds: stopwatch.seconds() };
+            stats.add_traced(Stage::Shadow, traced);
             stats.rays.shadow += count as u64;
         }
         if self.settings.shown == Shown::Cost {

@@ -4,7 +4,7 @@
 
 What differs, and why:
 
-- Float64 is converted, where embreex refuses it.
+- Float64 is converted, where embreex refuses it; ``dists`` of float64 get no answer in place.
 - ``output`` with ``query="OCCLUDED"`` raises ``ValueError``: embreex answers with memory that it
   has not written.
 - Meshes may be added after rays were traced; embreex ignores them then, and answers without.
@@ -50,7 +50,8 @@ class EmbreeScene:
             vec_origins: (n, 3).
             vec_directions: (n, 3), or (1, 3) for all.
             dists: how far rays go, in lengths of their directions; one number or (n,). With
-                ``query="DISTANCE"`` an array of float32 gets the answer, too.
+                ``query="DISTANCE"`` or ``output``, an array of float32 (n,) gets the distances
+                in place, and is what is returned.
             query: "INTERSECT", "OCCLUDED" or "DISTANCE".
             output: if true, the answer is a dictionary of what was hit.
 
@@ -76,12 +77,10 @@ class EmbreeScene:
             return self.scene.test_occlusions(**rays).astype(np.int32) - 1
         hits = self.scene.cast_rays(**rays)
         is_hit = hits["geometry_ids"] != INVALID_ID
-        t_far = np.where(is_hit, hits["t_hit"], ends)
-        if output:
-            return self._output(hits, is_hit, t_far)
-        if query == "DISTANCE":
-            return t_far
-        return hits["primitive_ids"].view(np.int32)
+        if not output and query == "INTERSECT":
+            return hits["primitive_ids"].view(np.int32)
+        t_far = _in_place(np.where(is_hit, hits["t_hit"], ends), dists)
+        return self._output(hits, is_hit, t_far) if output else t_far
 
     def _output(
         self, hits: dict[str, NDArray[Any]], is_hit: NDArray[np.bool_], t_far: NDArray[np.float32]
@@ -140,6 +139,16 @@ class TriangleMesh:
 def _meshes(scene: EmbreeScene) -> dict[int, TriangleMesh]:
     """The meshes of a scene by their ids."""
     return scene.__dict__.setdefault("_meshes", {})
+
+
+def _in_place(t_far: NDArray[np.float32], dists: ArrayLike | None) -> NDArray[np.float32]:
+    """``dists`` with the distances, where it is an array that can hold them."""
+    if not isinstance(dists, np.ndarray):
+        return t_far
+    if (dists.dtype, dists.shape) != (t_far.dtype, t_far.shape):
+        return t_far
+    dists[:] = t_far
+    return dists
 
 
 def _points(points: NDArray[np.float32]) -> NDArray[np.float32]:

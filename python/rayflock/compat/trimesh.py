@@ -117,7 +117,9 @@ class RayMeshIntersector:
         vertices, faces = np.asarray(self.mesh.vertices), np.asarray(self.mesh.faces)
         if not (_same(vertices, self._vertices) and _same(faces, self._faces)):
             self._vertices, self._faces = vertices.copy(), faces.copy()
-            self._corner = vertices.min(axis=0) if len(vertices) else np.zeros(3)
+            # A vertex that is not finite costs its own triangles alone.
+            finite = vertices[np.isfinite(vertices).all(axis=1)]
+            self._corner = finite.min(axis=0) if len(finite) else np.zeros(3)
             self._scene.update(self._id, vertices - self._corner, faces)
         return self._scene
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import os
 from pathlib import Path
 
@@ -54,6 +55,17 @@ def test_a_mesh_moves_as_in_its_stage(tmp_path, rayflock_frames, rayflock_info):
     for frame, (vertices, triangles) in enumerate(rayflock_frames(tmp_path / "a.npz", 3)):
         np.testing.assert_allclose(vertices, expected(frame), atol=1e-5)
         assert triangles.tolist() == TRIANGLES
+
+
+def test_suffixes_may_be_capitals(tmp_path):
+    made = stage(tmp_path / "a.usda")
+    moving_mesh(made)
+    made.Save()
+    (tmp_path / "A.USDA.GZ").write_bytes(gzip.compress((tmp_path / "a.usda").read_bytes()))
+    for name in ("a.usda", "A.USDA.GZ"):
+        assert main([str(tmp_path / name), "-o", str(tmp_path / f"{name}.npz")]) == 0
+    plain, packed = (np.load(tmp_path / f"{name}.npz") for name in ("a.usda", "A.USDA.GZ"))
+    np.testing.assert_array_equal(packed["vertices"], plain["vertices"])
 
 
 def test_up_hands_holes_and_what_is_hidden_are_heeded(tmp_path, rayflock_frames):
@@ -118,11 +130,22 @@ def test_points_of_several_files_are_spheres_frame_by_frame(tmp_path, rayflock_i
 
 def test_what_is_wrong_is_told_with_its_place(tmp_path, capsys):
     made = stage(tmp_path / "a.usda")
-    moving_mesh(made).CreateFaceVertexIndicesAttr([0, 1, 2, 3, 0, 1, 9])
+    moving_mesh(made).CreateFaceVertexIndicesAttr([0, 1, 2, 3, 0, -1, 9])
     made.Save()
+    packed = gzip.compress((tmp_path / "a.usda").read_bytes())
+    (tmp_path / "cut.usda.gz").write_bytes(packed[:-20])
+    (tmp_path / "spoilt.usda.gz").write_bytes(packed[:10] + b"\xff" * 20 + packed[30:])
+    (tmp_path / "plain.usda.gz").write_bytes(b"#usda 1.0")
     output = ["-o", str(tmp_path / "a.npz")]
     for words, message in [
-        (["a.usda"], "a.usda: /node/mesh at 4: found a face at vertex 9, of 5"),
+        (
+            ["a.usda"],
+            "a.usda: /node/mesh at 4: found a face at vertex -1, "
+            "expected at least 0 and less than 5",
+        ),
+        (["cut.usda.gz"], "cut.usda.gz: damaged gzip: "),
+        (["spoilt.usda.gz"], "spoilt.usda.gz: damaged gzip: "),
+        (["plain.usda.gz"], "plain.usda.gz: damaged gzip: "),
         (["b.usda"], "b.usda: there is no such file"),
         (["a.obj"], "a.obj: expected one of .usd, .usda, .usdc, .usdz (each also .gz) or .abc"),
     ]:

@@ -1,10 +1,12 @@
 //! Runs the cases under callgrind.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
+
+use crate::tools::target;
 
 /// The one function whose instructions are collected, what it calls included.
 const COLLECTED: &str = "*measured_part*";
@@ -28,8 +30,7 @@ pub(super) struct Counted {
 pub(super) fn all(root: &Path) -> Result<Vec<Counted>> {
     println!("== build: cargo bench --package rayflock-bench --bench instructions --no-run");
     let list = output(&mut cases(root, &[], &["--list"])).context("cannot build the cases")?;
-    let folder = std::env::var_os("CARGO_TARGET_DIR").map_or(root.join("target"), PathBuf::from);
-    let folder = folder.join("perf-check");
+    let folder = target(root).join("perf-check");
     fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
     println!("== count: profiles for callgrind_annotate go to {}", folder.display());
     list.lines().map(|name| count(root, &folder, name)).collect()

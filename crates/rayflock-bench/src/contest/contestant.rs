@@ -121,6 +121,9 @@ impl Contestant {
             Err(error) => return self.skipped = Some(error.to_string()),
         };
         let traced = self.trace(&frame.rays, answers);
+        if let Some(notice) = self.engine.notice() {
+            return self.skipped = Some(notice.to_owned());
+        }
         let memory_bytes = self.engine.memory_usage();
         if let Some(phase) = self.phases.last_mut() {
             phase.samples.push(Sample { commit, trace: traced.cost });

@@ -184,17 +184,19 @@ fn an_engine_that_is_too_slow_is_skipped_with_a_reason() {
 }
 
 #[test]
-fn an_engine_that_cannot_hold_the_geometry_is_skipped_and_others_go_on() {
+fn engines_that_do_not_do_the_work_are_skipped_and_others_go_on() {
     let log = Log::default();
     let engines = vec![
         fake("picky", false, Tamper::Refuses, &log),
         fake("other", true, Tamper::Nothing, &log),
+        fake("lost", false, Tamper::HandsOver, &log),
     ];
     let mut contest = contest(engines);
     for _ in 0..2 {
         let cells = measure(&mut contest, &piece(RayKind::Primary, 64));
         assert!(cells[0].skipped.as_ref().unwrap().contains("does not support rooms"));
         assert!(cells[1].skipped.is_none() && cells[1].mismatches == 0);
+        assert_eq!(cells[2].skipped.as_deref(), Some("the device is lost"));
     }
 }
 

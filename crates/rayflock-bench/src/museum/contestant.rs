@@ -8,9 +8,9 @@ use rayflock::render::{
 };
 use rayflock::scene::{Scene, SceneFrame};
 
-use crate::EngineSpec;
 use crate::peer::PeerError;
 use crate::peer::embree::EmbreeLibrary;
+use crate::{BenchError, EngineSpec};
 
 /// An engine in its renderer, with what was measured of it.
 #[derive(Debug)]
@@ -97,6 +97,14 @@ impl Contestant {
     /// What the engine tells about what it holds.
     pub(super) fn facts(&self) -> Vec<Fact> {
         self.renderer.facts()
+    }
+
+    /// Whether what was measured is the engine's own work.
+    ///
+    /// # Errors
+    /// [`BenchError::HandedOver`] when it is not.
+    pub(super) fn check(&self) -> Result<(), BenchError> {
+        BenchError::unless_own(&self.name, self.renderer.notice())
     }
 
     /// Mean of update and tracing over everything measured, in milliseconds.

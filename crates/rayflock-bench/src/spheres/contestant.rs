@@ -14,7 +14,7 @@ use crate::contest::{NOISY, spread};
 use crate::peer::PeerError;
 use crate::peer::embree::EmbreeLibrary;
 use crate::record::{Cell, Phase};
-use crate::{EngineSpec, Quartiles};
+use crate::{BenchError, EngineSpec, Quartiles};
 
 /// Width and height of the pictures that bring a frame before to everything.
 const TINY: (usize, usize) = (8, 6);
@@ -94,6 +94,14 @@ impl Contestant {
         })
     }
 
+    /// Whether what was measured is the engine's own work.
+    ///
+    /// # Errors
+    /// [`BenchError::HandedOver`] when it is not.
+    pub(super) fn check(&self) -> Result<(), BenchError> {
+        BenchError::unless_own(&self.name, self.renderer.notice())
+    }
+
     /// Mean of fitting and gathering over everything measured, in milliseconds.
     pub(super) fn mean_total_ms(&self) -> f64 {
         let sum: f64 = self.samples.iter().map(Sample::total_ms).sum();
@@ -126,7 +134,7 @@ impl Contestant {
     ) -> Result<(), RenderError> {
         self.renderer.commit(scene, frame)?;
         let stats = self.renderer.render(view, &self.settings, &mut self.film);
-        let conversion = stats.trace.conversion_ns as f64 * 1e-9;
+        let conversion = stats.stages.indirect.trace.conversion_ns as f64 * 1e-9;
         let gather_seconds = (stats.indirect.gather_seconds - conversion).max(0.0);
         self.samples.push(Sample {
             fit_ms: 1e3 * stats.indirect.fit_seconds,

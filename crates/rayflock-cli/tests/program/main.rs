@@ -43,6 +43,8 @@ impl Workplace {
     fn command(&self, words: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rayflock"));
         command.args(words.split_whitespace()).current_dir(self.0.path()).stdin(Stdio::null());
+        // Mesa's layer that chooses among devices complains where there is no display.
+        command.env("NODEVICE_SELECT", "1");
         command
     }
 

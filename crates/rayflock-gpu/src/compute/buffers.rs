@@ -2,14 +2,15 @@
 
 use wgpu::{BindingResource, Buffer, BufferUsages, CommandEncoder};
 
+use super::{FAN_OUT, FIRST_ROOT};
 use crate::buffer::{GrowingBuffer, ReadBack, part_of};
 use crate::layout::{Cone, Counters, DeviceHit, Pair, Params, TileRange};
 use crate::slots::{RUN_SLOTS, TILE_RAYS};
 use crate::{GpuContext, GpuError};
 
-/// Tiles of a run, and the cones of all levels: as in `compute/params.wgsl`.
+/// Tiles of a run, and the cones of all levels.
 const TILES: usize = RUN_SLOTS / TILE_RAYS;
-const CONES: usize = TILES + TILES / 16 + TILES / 256;
+const CONES: usize = FIRST_ROOT + TILES / (FAN_OUT * FAN_OUT);
 
 /// Where hits lie in what is read back, behind the counters.
 const HITS_OFFSET: usize = 256;

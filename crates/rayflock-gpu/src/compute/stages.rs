@@ -2,14 +2,10 @@
 
 use wgpu::ComputePipeline;
 
+use super::{FIRST_NODE, FIRST_ROOT};
 use crate::GpuContext;
 use crate::pipeline::compute_stage;
 use crate::shaders;
-
-/// Where cones of nodes and of roots begin: `FIRST_NODE` and `FIRST_ROOT` of
-/// `compute/params.wgsl`.
-const FIRST_NODE: f64 = 4096.0;
-const FIRST_ROOT: f64 = 4352.0;
 
 /// The stages, ready to run.
 #[derive(Debug)]
@@ -31,8 +27,9 @@ pub(super) struct Stages {
 impl Stages {
     pub(super) fn new(context: &GpuContext) -> Self {
         let stage = |shader, constants: &[(&str, f64)]| compute_stage(context, shader, constants);
-        let bound = |first_child: f64, first_parent: f64| {
-            let constants = [("FIRST_CHILD", first_child), ("FIRST_PARENT", first_parent)];
+        let bound = |first_child: usize, first_parent: usize| {
+            let constants =
+                [("FIRST_CHILD", first_child as f64), ("FIRST_PARENT", first_parent as f64)];
             stage(shaders::BOUND_NODES, &constants)
         };
         let plan = |level| stage(shaders::PLAN_DISPATCH, &[("LEVEL", level)]);
@@ -40,7 +37,7 @@ impl Stages {
         Self {
             bound_chunks: stage(shaders::BOUND_CHUNKS, &[]),
             bound_tiles: stage(shaders::BOUND_TILES, &[]),
-            bound_nodes: bound(0.0, FIRST_NODE),
+            bound_nodes: bound(0, FIRST_NODE),
             bound_roots: bound(FIRST_NODE, FIRST_ROOT),
             seed_pairs: stage(shaders::SEED_PAIRS, &[]),
             plan_dispatch: [plan(0.0), plan(1.0), plan(2.0)],

@@ -6,13 +6,13 @@ use rayflock_geom::{FrameChanges, Geometry, GeometryObject, HitBuffer, ObjectId,
 use rayflock_testkit::Rng;
 use rayflock_testkit::scenes::{SoupKind, triangle_soup};
 
-use super::Compute;
+use super::{CHUNK_PRIMS, Compute};
 use crate::GpuContext;
 use crate::layout::{Cone, DeviceHit, TileRange};
 use crate::method::{Method, Question};
 use crate::primitives::PrimitiveStore;
 use crate::slots::{Run, Slots};
-use crate::testing::{contexts, read};
+use crate::testing::{contexts, near, read};
 use crate::twins;
 
 /// Hits of a batch by an engine with so much room for pairs at most, and the tests it took.
@@ -81,9 +81,12 @@ fn check_stages(context: &GpuContext) {
     run.fill(&batch, &slots, 0, &|_| f32::INFINITY);
     compute.trace(context, &primitives, &mut run, Question::Closest).unwrap();
 
-    let chunks: Vec<twins::DeviceSphere> = read(context, compute.chunks[0].buffer(), 2500 / 16);
-    for (chunk_idx, chunk) in chunks.iter().enumerate() {
-        let expected = twins::bound_chunks(&primitives.host()[16 * chunk_idx..][..16]);
+    // The last one is not full.
+    let chunk_count = 2500_usize.div_ceil(CHUNK_PRIMS);
+    let chunks: Vec<twins::DeviceSphere> = read(context, compute.chunks[0].buffer(), chunk_count);
+    let prims = primitives.host().chunks(CHUNK_PRIMS);
+    for (chunk_idx, (chunk, prims)) in chunks.iter().zip(prims).enumerate() {
+        let expected = twins::bound_chunks(prims);
         assert!(near(chunk, &expected), "chunk {chunk_idx}: {chunk:?}, not {expected:?}");
     }
     let buffers = &compute.buffers;
@@ -114,8 +117,4 @@ fn spread(rng: &mut Rng, tile_idx: usize) -> Vec3 {
     let main = Vec3::new(0.4 * angle.sin(), 0.4 * angle.cos(), 1.0);
     let width = if tile_idx.is_multiple_of(10) { 3.0 } else { 0.05 };
     main + width * rng.in_cube()
-}
-
-fn near(found: &[f32], expected: &[f32]) -> bool {
-    found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 3e-5 * (1.0 + b.abs()))
 }

@@ -5,12 +5,17 @@ use std::mem::offset_of;
 use std::path::Path;
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use naga::{Module, TypeInner};
+use naga::{Expression, Literal, Module, TypeInner};
 
 use super::{ALL, Shader};
+use crate::compute::{CHUNK_PRIMS, FAN_OUT, FIRST_NODE, FIRST_ROOT};
 use crate::layout::{
-    Cone, Counters, DeviceHit, DevicePrimitive, DeviceRay, Pair, Params, TileRange,
+    Cone, Counters, DeviceHit, DevicePrimitive, DeviceRay, NO_RANK, Pair, Params, SPHERE, TRIANGLE,
+    TileRange,
 };
+use crate::method::Question;
+use crate::ray_textures::{TILE_EDGE, TILES_PER_ROW};
+use crate::slots::TILE_RAYS;
 
 fn parse(shader: &Shader) -> Module {
     naga::front::wgsl::parse_str(shader.source)
@@ -102,4 +107,39 @@ fn host_and_device_agree_about_every_byte() {
     );
     assert_mirrors!("Pair", Pair, cone_idx, chunk_idx);
     assert_mirrors!("TileRange", TileRange, first, count);
+}
+
+/// Names and values of the whole numbers that programs state.
+fn numbers() -> BTreeSet<(String, u32)> {
+    let mut found = BTreeSet::new();
+    for module in ALL.iter().map(parse) {
+        found.extend(module.constants.iter().filter_map(|(_, constant)| {
+            let value = &module.global_expressions[constant.init];
+            let Expression::Literal(Literal::U32(number)) = *value else { return None };
+            Some((constant.name.clone()?, number))
+        }));
+    }
+    found
+}
+
+#[test]
+fn host_and_device_have_the_same_constants() {
+    let found = numbers();
+    let expected = [
+        ("TRIANGLE", TRIANGLE),
+        ("SPHERE", SPHERE),
+        ("NO_RANK", NO_RANK),
+        ("QUESTION_OCCLUDED", Question::Occluded as u32),
+        ("TILE_RAYS", TILE_RAYS as u32),
+        ("TILE_EDGE", TILE_EDGE as u32),
+        ("TILES_PER_ROW", TILES_PER_ROW as u32),
+        ("CHUNK_PRIMS", CHUNK_PRIMS as u32),
+        ("FAN_OUT", FAN_OUT as u32),
+        ("FIRST_NODE", FIRST_NODE as u32),
+        ("FIRST_ROOT", FIRST_ROOT as u32),
+    ];
+    for (name, value) in expected {
+        let stated = found.iter().filter(|(other, _)| other == name).map(|&(_, number)| number);
+        assert_eq!(stated.collect::<Vec<_>>(), [value], "{name}");
+    }
 }

@@ -1,7 +1,7 @@
 //! Tests of the engines on a graphics device.
 //!
-//! They run on every adapter that there is, software ones included. Without any they say so and
-//! pass, unless `RAYFLOCK_GPU_ADAPTERS` says how many there must be.
+//! They run on every adapter that can be used, software ones included. Without any they say so
+//! and pass, unless `RAYFLOCK_GPU_ADAPTERS` says how many there must be.
 #![forbid(unsafe_code)]
 #![expect(clippy::unwrap_used, reason = "the tests' helpers may fail just as the tests may")]
 

@@ -10,7 +10,8 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use super::light_tree::{LightCluster, luminance};
+use super::light_tree::LightCluster;
+use crate::shading::luminance::luminance;
 use crate::shading::scatter::reflected;
 use crate::vpl::VirtualLights;
 

@@ -14,9 +14,10 @@ use tracing::debug_span;
 
 use super::bound::{CutPoint, GeometryBound, bound, estimate, from_distant};
 use super::cut_visibility::{CutPair, CutVisibility};
-use super::light_tree::{LightTree, luminance};
+use super::light_tree::LightTree;
 use crate::occluders::SeenLight;
-use crate::vpl::VirtualLights;
+use crate::shading::luminance::luminance;
+use crate::vpl::{VirtualLights, VisibilityStats};
 
 /// Points whose cuts are in memory at once: some tens of kilobytes each at most.
 const POINTS_AT_ONCE: usize = 4096;
@@ -49,8 +50,8 @@ pub struct CutStats {
     pub clusters: u64,
     /// Clusters that were looked at.
     pub visited: u64,
-    /// Pairs that visibility was asked about.
-    pub pairs: u64,
+    /// What visibility took.
+    pub visibility: VisibilityStats,
     /// Cuts that were allowed no more clusters.
     pub stopped: u64,
 }
@@ -60,7 +61,7 @@ impl std::ops::AddAssign for CutStats {
         self.points += other.points;
         self.clusters += other.clusters;
         self.visited += other.visited;
-        self.pairs += other.pairs;
+        self.visibility += other.visibility;
         self.stopped += other.stopped;
     }
 }
@@ -136,7 +137,7 @@ impl Lightcuts {
         let mut stats = CutStats::default();
         let chunks = points.chunks(POINTS_AT_ONCE).zip(radiances.chunks_mut(POINTS_AT_ONCE));
         for (points, radiances) in chunks {
-            self.cut(lights, points, visibility);
+            stats.visibility += self.cut(lights, points, visibility);
             for (cut, radiance) in self.cuts.iter().zip(radiances) {
                 *radiance = cut.sum;
                 stats += cut.stats;
@@ -145,13 +146,14 @@ impl Lightcuts {
         stats
     }
 
-    /// Makes the cuts those of `points`.
+    /// Makes the cuts those of `points`; returns what visibility took.
     fn cut(
         &mut self,
         lights: &VirtualLights,
         points: &[CutPoint],
         visibility: &mut dyn CutVisibility,
-    ) {
+    ) -> VisibilityStats {
+        let mut stats = VisibilityStats::default();
         let rules = Rules { settings: self.settings, lights, tree: &self.tree };
         self.cuts.resize_with(points.len(), Cut::default);
         let cuts = self.cuts.par_iter_mut().zip(points);
@@ -164,7 +166,7 @@ impl Lightcuts {
             self.shares.clear();
             self.shares.resize(self.pairs.len(), 0.0);
             if !self.pairs.is_empty() {
-                visibility.shares(&self.pairs, &mut self.shares);
+                stats += visibility.shares(&self.pairs, &mut self.shares);
             }
             let mut shares = &self.shares[..];
             for cut in &mut self.cuts {
@@ -174,7 +176,7 @@ impl Lightcuts {
             let opened =
                 cuts.map(|(cut, point)| usize::from(cut.open(&rules, point))).sum::<usize>();
             if opened == 0 {
-                break;
+                return stats;
             }
         }
     }
@@ -252,7 +254,6 @@ impl Cut {
                 && let Some((share, rest)) = shares.split_first()
             {
                 (member.share, shares) = (*share, rest);
-                self.stats.pairs += 1;
             }
             self.sum += member.share * member.estimate;
         }
@@ -356,10 +357,11 @@ mod tests {
     struct Striped;
 
     impl CutVisibility for Striped {
-        fn shares(&mut self, pairs: &[CutPair], shares: &mut [f32]) {
+        fn shares(&mut self, pairs: &[CutPair], shares: &mut [f32]) -> VisibilityStats {
             for (pair, share) in pairs.iter().zip(shares) {
                 *share = if pair.light.position.x.to_bits() % 2 == 0 { 0.5 } else { 1.0 };
             }
+            VisibilityStats::default()
         }
     }
 
@@ -457,7 +459,7 @@ mod tests {
             (stats, radiances)
         };
         let ((few, few_sums), (many, many_sums)) = (cut(1 << 10), cut(1 << 16));
-        assert!(many.pairs <= 8 * few.pairs, "{few:?} {many:?}");
+        assert!(many.visibility.pairs <= 8 * few.visibility.pairs, "{few:?} {many:?}");
         assert!(many.visited <= 8 * few.visited, "{few:?} {many:?}");
         for (few, many) in few_sums.iter().zip(&many_sums) {
             assert!(few.distance(*many) < 0.1 * many.length(), "{few} {many}");
@@ -485,8 +487,9 @@ mod tests {
         #[derive(Debug)]
         struct Dark;
         impl CutVisibility for Dark {
-            fn shares(&mut self, _: &[CutPair], shares: &mut [f32]) {
+            fn shares(&mut self, _: &[CutPair], shares: &mut [f32]) -> VisibilityStats {
                 shares.fill(0.0);
+                VisibilityStats::default()
             }
         }
         let light = |idx: u8| {

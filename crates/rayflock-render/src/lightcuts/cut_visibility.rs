@@ -4,10 +4,13 @@ use std::fmt::Debug;
 
 use glam::Vec3;
 use rayflock_engine::RayEngine;
+use rayflock_geom::simd::LANES;
 use rayflock_geom::{RayBatch, RayOrder};
 use rayon::prelude::*;
 
 use crate::occluders::{PointTile, SeenLight, SphereTree, TileSight};
+use crate::stats::{StageStats, Stopwatch};
+use crate::vpl::VisibilityStats;
 
 /// Pairs that one task asks about past spheres.
 const PAIRS_PER_TASK: usize = 1024;
@@ -27,7 +30,7 @@ pub struct CutPair {
 pub trait CutVisibility: Debug {
     /// Sets `shares[i]` to what the point of pair i sees of its light, from 0 to 1.
     /// `shares.len() == pairs.len()`. Pairs of a point follow each other.
-    fn shares(&mut self, pairs: &[CutPair], shares: &mut [f32]);
+    fn shares(&mut self, pairs: &[CutPair], shares: &mut [f32]) -> VisibilityStats;
 }
 
 /// Everything is seen.
@@ -35,8 +38,9 @@ pub trait CutVisibility: Debug {
 pub struct Open;
 
 impl CutVisibility for Open {
-    fn shares(&mut self, _: &[CutPair], shares: &mut [f32]) {
+    fn shares(&mut self, pairs: &[CutPair], shares: &mut [f32]) -> VisibilityStats {
         shares.fill(1.0);
+        VisibilityStats { pairs: pairs.len() as u64, ..VisibilityStats::default() }
     }
 }
 
@@ -47,17 +51,20 @@ pub struct Exact<'a> {
     origins: Vec<Vec3>,
     directions: Vec<Vec3>,
     occluded: Vec<bool>,
+    /// What tracing took so far.
+    pub(crate) traced: StageStats,
 }
 
 impl<'a> Exact<'a> {
     /// By rays through `engine`, which holds the frame.
     pub fn new(engine: &'a mut dyn RayEngine) -> Self {
-        Self { engine, origins: Vec::new(), directions: Vec::new(), occluded: Vec::new() }
+        let (origins, directions, occluded) = (Vec::new(), Vec::new(), Vec::new());
+        Self { engine, origins, directions, occluded, traced: StageStats::default() }
     }
 }
 
 impl CutVisibility for Exact<'_> {
-    fn shares(&mut self, pairs: &[CutPair], shares: &mut [f32]) {
+    fn shares(&mut self, pairs: &[CutPair], shares: &mut [f32]) -> VisibilityStats {
         self.origins.clear();
         self.directions.clear();
         self.origins.extend(pairs.iter().map(|pair| pair.point));
@@ -67,9 +74,14 @@ impl CutVisibility for Exact<'_> {
         let batch = RayBatch::new(&self.origins[..], &self.directions[..])
             .and_then(|batch| batch.with_interval(0.0, 1.0));
         let Ok(batch) = batch else { unreachable!("the columns have one length") };
-        self.engine.occluded(&batch.with_order(RayOrder::Unordered), &mut self.occluded);
+        let stopwatch = Stopwatch::start();
+        let batch = batch.with_order(RayOrder::Unordered);
+        let trace = self.engine.occluded(&batch, &mut self.occluded);
+        self.traced += StageStats { trace, seconds: stopwatch.seconds() };
         let seen = self.occluded.iter().map(|&occluded| if occluded { 0.0 } else { 1.0 });
         shares.iter_mut().zip(seen).for_each(|(share, seen)| *share = seen);
+        let count = pairs.len() as u64;
+        VisibilityStats { pairs: count, rays: count, tests: 0 }
     }
 }
 
@@ -88,16 +100,19 @@ impl<'a> PastSpheres<'a> {
 }
 
 impl CutVisibility for PastSpheres<'_> {
-    fn shares(&mut self, pairs: &[CutPair], shares: &mut [f32]) {
+    fn shares(&mut self, pairs: &[CutPair], shares: &mut [f32]) -> VisibilityStats {
         let tree = self.tree;
         let tasks = pairs.par_chunks(PAIRS_PER_TASK).zip(shares.par_chunks_mut(PAIRS_PER_TASK));
-        tasks.for_each_init(LightTile::default, |tile, (pairs, mut shares)| {
+        let tests = tasks.map_init(LightTile::default, |tile, (pairs, mut shares)| {
+            let before = tile.sight.tests();
             for pairs in pairs.chunk_by(|a, b| a.point == b.point && a.normal == b.normal) {
                 let (of_point, others) = shares.split_at_mut(pairs.len());
                 tile.see(tree, pairs, of_point);
                 shares = others;
             }
+            tile.sight.tests() - before
         });
+        VisibilityStats { pairs: pairs.len() as u64, rays: 0, tests: tests.sum() }
     }
 }
 
@@ -128,7 +143,7 @@ impl LightTile {
         tile.assign(positions, normals);
         let point = SeenLight { position: pairs[0].point, normal: pairs[0].normal };
         sight.see(tree, tile, &[point], |_, block_idx, through| {
-            let lanes = shares.iter_mut().skip(16 * block_idx).zip(through);
+            let lanes = shares.iter_mut().skip(LANES * block_idx).zip(through);
             lanes.for_each(|(share, through)| *share = *through);
         });
     }

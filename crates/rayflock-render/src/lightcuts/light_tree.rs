@@ -12,6 +12,8 @@ use std::f32::consts::PI;
 use glam::Vec3;
 use rayflock_geom::Aabb;
 
+use crate::shading::luminance::luminance;
+use crate::shading::sampling::{hash, unit_float};
 use crate::vpl::VirtualLights;
 
 /// The extent of unlike normals counts as this share of the size of the scene.
@@ -105,11 +107,6 @@ fn normals_of_both(a: &LightCluster, b: &LightCluster) -> (Vec3, f32, f32) {
     (axis, angle.cos(), angle.sin())
 }
 
-/// The brightness of a colour.
-pub(super) fn luminance(color: Vec3) -> f32 {
-    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
-}
-
 impl LightTree {
     /// Makes this the tree of `lights`, keeping its memory.
     pub(super) fn build(&mut self, lights: &VirtualLights) {
@@ -194,8 +191,6 @@ fn halve(lights: &VirtualLights, normal_scale: f32, order: &mut [u32], middle: u
 
 /// A number from 0 to 1 that looks like chance, and is always the same.
 fn chance_of(light_idx: u32, light_count: usize) -> f32 {
-    let mut bits = light_idx.wrapping_mul(0x9e37_79b9) ^ (light_count as u32).rotate_left(16);
-    bits = (bits ^ (bits >> 16)).wrapping_mul(0x7feb_352d);
-    bits = (bits ^ (bits >> 15)).wrapping_mul(0x846c_a68b);
-    (bits >> 8) as f32 / (1_u32 << 24) as f32
+    let bits = light_idx.wrapping_mul(0x9e37_79b9) ^ (light_count as u32).rotate_left(16);
+    unit_float(hash(bits))
 }

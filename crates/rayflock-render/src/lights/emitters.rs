@@ -21,6 +21,7 @@ use rayflock_scene::PrimMaterials;
 
 use super::incident::Incident;
 use crate::frame_shading::{FrameShading, ShadedObject, shaded_objects};
+use crate::shading::luminance::luminance;
 use crate::shading::surface_point::{area_normal, slack};
 
 /// All primitives that emit, in world space.
@@ -249,10 +250,6 @@ fn solid_angle([v0, v1, v2]: &[Vec3; 3], position: Vec3, source: Vec3) -> f32 {
 fn sphere_depth(sphere: &Sphere, position: Vec3) -> Option<f32> {
     let sine = sphere.radius / (sphere.center - position).length();
     (sine < 1.0).then(|| sine * sine / (1.0 + (1.0 - sine * sine).sqrt()))
-}
-
-fn luminance(radiance: Vec3) -> f32 {
-    radiance.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
 /// A point of the visible part of the sphere, and the solid angle of that part; `None` from

@@ -191,8 +191,8 @@ fn ball_around(points: &[Vec3]) -> Sphere {
 
 impl TileSight {
     /// Calls `seen(light_idx, block_idx, through)` for each light of a group and each block of
-    /// sixteen points for which `is_asked(light_idx)`; of the last block, lanes may stand for no
-    /// point. Lights of a group should be close to each other.
+    /// sixteen points; of the last block, lanes may stand for no point. Lights of a group should be
+    /// close to each other.
     pub fn see(
         &mut self,
         tree: &SphereTree,

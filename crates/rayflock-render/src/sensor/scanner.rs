@@ -83,6 +83,11 @@ impl Scanner {
         self.layout.beam_count
     }
 
+    /// What the user should hear of the engine, though every question is answered.
+    pub fn notice(&self) -> Option<&str> {
+        self.engine.notice()
+    }
+
     /// Time steps of a sweep.
     pub const fn step_count(&self) -> usize {
         self.step_count

@@ -2,7 +2,8 @@
 
 use glam::{Affine3A, Vec3};
 
-/// What a sweep brought back: one entry a return, in the order of beams and then of ranges. All
+/// What a sweep brought back: one entry a return, in the order of beams and then of ranges
+/// before noise. All
 /// columns but `steps` have one length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sweep {

@@ -15,10 +15,9 @@ use tracing::debug_span;
 use super::SensorSettings;
 use crate::frame_shading::FrameShading;
 use crate::shading::fresnel;
+use crate::shading::luminance::luminance;
 use crate::shading::surface_point::surface_point;
 
-/// Luminance of linear sRGB.
-const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 /// Rays whose echoes one task works out; fewer are not worth sharing.
 const RAYS_PER_TASK: usize = 1024;
 
@@ -201,8 +200,8 @@ impl Shares {
             // Beams go straight through, as if always from outside.
             Fresnel::Dielectric => 1.0 - fresnel::dielectric(cos, material.ior.max(1.0).recip()),
         };
-        let passing = (kept * LUMINANCE.dot(material.transmission)).clamp(0.0, 1.0);
-        let scattered = (kept * LUMINANCE.dot(material.diffuse * color)).max(0.0);
+        let passing = (kept * luminance(material.transmission)).clamp(0.0, 1.0);
+        let scattered = (kept * luminance(material.diffuse * color)).max(0.0);
         let scattered = if passing > 0.0 { scattered.max(dust) } else { scattered };
         Self { scattered, passing }
     }

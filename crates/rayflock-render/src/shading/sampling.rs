@@ -48,9 +48,9 @@ impl PathSeed {
         Self(hash(self.0 ^ (0x9e37_79b9 + turn as u32)))
     }
 
-    /// The path that starts from light number `walk_idx`.
-    pub(crate) fn of_walks(first_walk: u32) -> Self {
-        Self(hash(0x51ed_270b ^ hash(first_walk)))
+    /// Paths that belong to no pixel, such as walks from lights: one family of them.
+    pub(crate) fn of_walks(family: u32) -> Self {
+        Self(hash(0x51ed_270b ^ hash(family)))
     }
 
     /// Point `sample_idx`, below `2^16`, of the sequence for turn `turn_idx` of such paths, in the
@@ -94,7 +94,7 @@ pub(crate) fn hash(mut x: u32) -> u32 {
 }
 
 /// The upper 24 bits as a fraction in `0..1`.
-fn unit_float(bits: u32) -> f32 {
+pub(crate) fn unit_float(bits: u32) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
 }
 

@@ -82,6 +82,7 @@ impl Course<'_> {
         }
 
         // What lights may add, and where the path goes on.
+        let goes_on = self.bounce < self.surroundings.depth;
         let mut scatter =
             scatter(material, &point, frame.base_color(&point), ray.direction / length);
         let mut highlight = material.specular;
@@ -96,12 +97,13 @@ impl Course<'_> {
             shininess: material.shininess,
             pixel_idx: path.pixel_idx,
             seed: path.seed,
-            chances,
+            // A path that ends here leaves all light of emitters to shadow rays.
+            chances: if goes_on { chances } else { Chances::NONE },
         };
         if lit.diffuse != Vec3::ZERO || lit.specular != Vec3::ZERO {
             run.points.push(lit);
         }
-        if self.bounce < self.surroundings.depth {
+        if goes_on {
             self.turn(&path, &point, material, &scatter, &lit, &mut run.mirror);
         }
     }

@@ -116,6 +116,11 @@ impl SunMeter {
         &self.samples
     }
 
+    /// What the user should hear of the engine, though every question is answered.
+    pub fn notice(&self) -> Option<&str> {
+        self.engine.notice()
+    }
+
     /// How long each sample was lit, in seconds; `seconds().len() == samples().len()`.
     pub fn seconds(&self) -> &[f64] {
         &self.seconds

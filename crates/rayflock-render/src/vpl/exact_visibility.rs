@@ -5,10 +5,11 @@
 //! put together in one batch.
 
 use glam::Vec3;
-use rayflock_engine::{RayEngine, TraceStats};
+use rayflock_engine::RayEngine;
 use rayflock_geom::{RayBatch, RayOrder};
 
 use super::{PairTile, PairVisibility, VisibilityStats};
+use crate::stats::{StageStats, Stopwatch};
 
 /// Rays end this far before the point, relative to the distance.
 const TO_POINT: f32 = 1.0 - 4e-6;
@@ -22,8 +23,8 @@ const SHARED_BATCH: usize = 1 << 16;
 pub(crate) struct ExactVisibility<'a> {
     engine: &'a mut dyn RayEngine,
     buffers: &'a mut RayBuffers,
-    /// What the engine counted so far.
-    pub(crate) trace: TraceStats,
+    /// What tracing took so far.
+    pub(crate) traced: StageStats,
 }
 
 /// Working memory, kept from tile to tile.
@@ -46,7 +47,7 @@ struct Rays {
 impl<'a> ExactVisibility<'a> {
     /// Traces with `engine`.
     pub(crate) fn new(engine: &'a mut dyn RayEngine, buffers: &'a mut RayBuffers) -> Self {
-        Self { engine, buffers, trace: TraceStats::default() }
+        Self { engine, buffers, traced: StageStats::default() }
     }
 
     /// Traces the rays of one light.
@@ -57,7 +58,7 @@ impl<'a> ExactVisibility<'a> {
             false => RayBatch::new(position, &rays.directions)
                 .and_then(|batch| batch.with_interval(0.0, TO_POINT)),
         };
-        self.trace += answer(self.engine, batch, &rays.pair_idxs, &mut rays.occluded, shares);
+        self.traced += answer(self.engine, batch, &rays.pair_idxs, &mut rays.occluded, shares);
         rays.clear();
     }
 
@@ -68,7 +69,7 @@ impl<'a> ExactVisibility<'a> {
         let t_max = if is_distant { f32::INFINITY } else { TO_POINT };
         let batch = RayBatch::new(&rays.origins, &rays.directions)
             .and_then(|batch| batch.with_interval(0.0, t_max));
-        self.trace += answer(self.engine, batch, &rays.pair_idxs, &mut rays.occluded, shares);
+        self.traced += answer(self.engine, batch, &rays.pair_idxs, &mut rays.occluded, shares);
         rays.clear();
     }
 
@@ -134,20 +135,22 @@ fn answer(
     pair_idxs: &[usize],
     occluded: &mut Vec<bool>,
     shares: &mut [f32],
-) -> TraceStats {
+) -> StageStats {
     let Ok(batch) = batch else { unreachable!("the columns of shadow rays have one length") };
     if pair_idxs.is_empty() {
-        return TraceStats::default();
+        return StageStats::default();
     }
     occluded.clear();
     occluded.resize(pair_idxs.len(), false);
-    let stats = engine.occluded(&batch.with_order(RayOrder::Unordered), occluded);
+    let stopwatch = Stopwatch::start();
+    let trace = engine.occluded(&batch.with_order(RayOrder::Unordered), occluded);
+    let traced = StageStats { trace, seconds: stopwatch.seconds() };
     for (pair_idx, occluded) in pair_idxs.iter().zip(occluded) {
         if *occluded {
             shares[*pair_idx] = 0.0;
         }
     }
-    stats
+    traced
 }
 
 impl Rays {

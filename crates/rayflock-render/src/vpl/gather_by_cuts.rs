@@ -7,8 +7,8 @@
 
 use glam::Vec3;
 
+use super::VirtualLights;
 use super::gather::GatherStats;
-use super::{VirtualLights, VisibilityStats};
 use crate::lightcuts::{CutPoint, CutSettings, CutStats, CutVisibility, Lightcuts};
 use crate::wave::{Contribution, LitPoint, ShadedRun};
 
@@ -63,8 +63,7 @@ impl CutGatherer {
         }
         let sums = self.radiances.iter().map(|radiance| f64::from(radiance.element_sum()));
         let gathered = sums.filter(|sum| sum.is_finite()).sum();
-        let visibility = VisibilityStats { pairs: cuts.pairs, ..VisibilityStats::default() };
-        (GatherStats { visibility, gathered, lost: 0.0 }, cuts)
+        (GatherStats { visibility: cuts.visibility, gathered, lost: 0.0 }, cuts)
     }
 
     /// Bytes held.

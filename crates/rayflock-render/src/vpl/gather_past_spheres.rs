@@ -153,7 +153,7 @@ impl AllLights<'_> {
         let tests_before = workspace.sight.tests();
         let matte = self.grouped.matte.chunks(GROUP_LIGHTS);
         for (group, lobes) in matte.zip(self.grouped.lobes.chunks(GROUP_LIGHTS)) {
-            self.gather_group(points, group, lobes, workspace);
+            self.gather_group(points, (group, lobes), self.bound, workspace);
         }
         for distant in self.grouped.distant.chunks(GROUP_LIGHTS) {
             let mut placed = std::mem::take(&mut workspace.placed);
@@ -167,7 +167,7 @@ impl AllLights<'_> {
                 },
                 intensity: irradiance * (distance * distance),
             }));
-            self.gather_group(points, &placed, &[], workspace);
+            self.gather_group(points, (&placed, &[]), f32::INFINITY, workspace);
             workspace.placed = placed;
         }
         let mut lost = self.gather_others(points, workspace);
@@ -195,14 +195,13 @@ impl AllLights<'_> {
     fn gather_group(
         &self,
         points: &[LitPoint],
-        group: &[ShiningLight],
-        lobes: &[Option<Lobe>],
+        (group, lobes): (&[ShiningLight], &[Option<Lobe>]),
+        bound: f32,
         workspace: &mut Workspace,
     ) {
         let Workspace { tile, sight, sums, highlights, .. } = workspace;
         let has_highlights = points.iter().any(|point| point.specular != Vec3::ZERO)
             || lobes.iter().any(Option::is_some);
-        let bound = self.bound;
         if !has_highlights {
             return sight.gather(self.tree, tile, group, bound, sums, |_, _, _| {});
         }

@@ -17,9 +17,9 @@ use super::{
 };
 use crate::Indirect;
 use crate::frame_shading::FrameShading;
-use crate::lightcuts::{CutVisibility, Exact, Open, PastSpheres};
+use crate::lightcuts::{Exact, Open, PastSpheres};
 use crate::occluders::{SceneSpheres, SphereSettings};
-use crate::stats::{FrameStats, Stopwatch};
+use crate::stats::{FrameStats, Stage, Stopwatch};
 use crate::wave::ShadedRun;
 
 /// Virtual lights and the memory to make and gather them, kept from picture to picture.
@@ -91,7 +91,7 @@ impl IndirectLight {
             let counts = (settings.walk_count(), settings.sky_count());
             let shot =
                 shoot(engine, frame, &sources, counts, diagonal, &mut self.shoot, &mut self.lights);
-            stats.trace += shot.trace;
+            stats.add_traced(Stage::Indirect, shot.traced);
             stats.rays.indirect += shot.rays;
             self.made_of = Some(made_of);
             self.grouped.assign(&self.lights);
@@ -164,7 +164,7 @@ impl IndirectLight {
             (Visibility::Exact, _) => {
                 let mut exact = ExactVisibility::new(engine, &mut self.rays);
                 let gathered = gather(lights, bound, &mut exact, runs, &mut self.gather);
-                stats.trace += exact.trace;
+                stats.add_traced(Stage::Indirect, exact.traced);
                 gathered
             }
             _ => gather(lights, bound, &mut Unhindered, runs, &mut self.gather),
@@ -192,7 +192,7 @@ impl IndirectLight {
         let mut eyes = Eyes { guess, exact: &mut exact };
         let (lights, bound) = (&self.lights, self.bound);
         let gathered = gather_chosen(lights, bound, chosen, &mut eyes, runs, &mut self.gather);
-        stats.trace += exact.trace;
+        stats.add_traced(Stage::Indirect, exact.traced);
         gathered
     }
 
@@ -206,22 +206,19 @@ impl IndirectLight {
         stats: &mut FrameStats,
     ) -> GatherStats {
         self.cuts.commit(&self.lights, error_bound, self.bound);
-        let (mut exact, mut past_spheres, mut open);
-        let visibility: &mut dyn CutVisibility = match (visibility, &self.spheres) {
+        let (lights, cutter) = (&self.lights, &mut self.cuts);
+        let (gathered, cuts) = match (visibility, &self.spheres) {
             (Visibility::Spheres(_), Some(spheres)) => {
-                past_spheres = PastSpheres::new(spheres.scene.tree());
-                &mut past_spheres
+                cutter.gather(lights, &mut PastSpheres::new(spheres.scene.tree()), runs)
             }
             (Visibility::Exact, _) => {
-                exact = Exact::new(engine);
-                &mut exact
+                let mut exact = Exact::new(engine);
+                let gathered = cutter.gather(lights, &mut exact, runs);
+                stats.add_traced(Stage::Indirect, exact.traced);
+                gathered
             }
-            _ => {
-                open = Open;
-                &mut open
-            }
+            _ => cutter.gather(lights, &mut Open, runs),
         };
-        let (gathered, cuts) = self.cuts.gather(&self.lights, visibility, runs);
         stats.indirect.cuts += cuts;
         gathered
     }

@@ -47,7 +47,7 @@ impl PairTile<'_> {
 }
 
 /// What visibility took.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct VisibilityStats {
     /// Pairs that were asked about.
     pub pairs: u64,

@@ -18,7 +18,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
-use rayflock_engine::{RayEngine, TraceStats};
+use rayflock_engine::RayEngine;
 use rayflock_geom::{Hit, HitBuffer, Ray, RayOrder};
 use rayflock_scene::{Fresnel, Material};
 use rayon::prelude::*;
@@ -31,6 +31,7 @@ use crate::shading::sampling::PathSeed;
 use crate::shading::scatter::{Scatter, scatter};
 use crate::shading::surface_point::{SurfacePoint, surface_point};
 use crate::shading::turns::{Chances, TurnKind, rough_direction};
+use crate::stats::{StageStats, Stopwatch};
 use crate::wave::{Path, Wave};
 
 /// A walk that has not ended by chance after so many steps is cut off: in the brightest room that
@@ -46,8 +47,8 @@ const GRAZING: f32 = 0.02;
 pub(crate) struct ShootStats {
     /// Rays traced.
     pub(crate) rays: u64,
-    /// What the engine counted.
-    pub(crate) trace: TraceStats,
+    /// What tracing took.
+    pub(crate) traced: StageStats,
 }
 
 /// Working memory, kept from frame to frame.
@@ -93,7 +94,9 @@ pub(crate) fn shoot(
         }
         buffers.hits.reset(buffers.wave.len());
         stats.rays += buffers.wave.len() as u64;
-        stats.trace += engine.closest_hit(&buffers.wave.batch(), &mut buffers.hits.as_hits());
+        let stopwatch = Stopwatch::start();
+        let trace = engine.closest_hit(&buffers.wave.batch(), &mut buffers.hits.as_hits());
+        stats.traced += StageStats { trace, seconds: stopwatch.seconds() };
         step_walks(frame, step, buffers);
     }
     sources.sky_lights(sky_count, &mut buffers.sky);

@@ -60,5 +60,8 @@ fn spheres_and_cuts_come_near_to_all_lights_seen_exactly() {
         assert!(error < 0.02, "{error}");
         let cuts = stats.indirect.cuts;
         assert!(cuts.clusters < 200 * cuts.points, "{cuts:?}");
+        assert_eq!(stats.trace.rays, stats.rays.total());
+        let is_exact = visibility == Visibility::Exact;
+        assert_eq!((cuts.visibility.rays > 0, cuts.visibility.tests > 0), (is_exact, !is_exact));
     }
 }

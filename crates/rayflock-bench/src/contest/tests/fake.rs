@@ -29,6 +29,8 @@ pub(super) enum Tamper {
     Converts,
     /// It holds no geometry.
     Refuses,
+    /// Another engine does its work.
+    HandsOver,
 }
 
 #[derive(Debug)]
@@ -110,6 +112,10 @@ impl RayEngine for FakeEngine {
 
     fn memory_usage(&self) -> usize {
         self.inner.memory_usage()
+    }
+
+    fn notice(&self) -> Option<&str> {
+        (self.tamper == Tamper::HandsOver).then_some("the device is lost")
     }
 }
 

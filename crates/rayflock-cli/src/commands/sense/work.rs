@@ -13,6 +13,7 @@ use crate::failure::{Blame, Failure};
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
 use crate::session::ignored_text;
+use crate::terminal;
 
 /// What lives from step to step.
 #[derive(Debug)]
@@ -76,6 +77,9 @@ impl<'a> Work<'a> {
             }
         }
         progress.finish();
+        if let Some(notice) = self.scanner.notice() {
+            terminal::say(format_args!("warning: {notice}"));
+        }
         done
     }
 

@@ -90,6 +90,9 @@ impl<'a> Study<'a> {
             progress.advance();
         }
         progress.finish();
+        if let Some(notice) = self.meter.notice() {
+            terminal::say(format_args!("warning: {notice}"));
+        }
         self.effort.seconds += start.elapsed().as_secs_f64();
         Ok(())
     }
