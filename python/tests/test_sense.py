@@ -313,5 +313,5 @@ def test_notebooks_show_ranges_in_colours(wall):
     assert nearest.sum() < 200 < 300 < farthest[:2].sum() and farthest[2] < 100
     assert (sweep.picture("intensity") != picture).any()
     assert sweep._repr_png_() == picture._repr_png_()
-    one_color = wall[0].sense(rayflock.Sensor("ortho", at=HERE, size=(2, 2))).picture()
+    one_color = wall[0].sense(rayflock.Sensor("ortho", at=HERE, size=(1, 1))).picture()
     assert len(np.unique(one_color.reshape(-1, 3), axis=0)) == 1
