@@ -16,17 +16,22 @@ triangles may move, appear or vanish from frame to frame: there is nothing to re
 
 from rayflock._files import load
 from rayflock._native import VERSION as __version__
-from rayflock._picture import Picture, render
+from rayflock._picture import Picture
 from rayflock._rays import INVALID_ID, create_rays_pinhole, create_rays_spherical
+from rayflock._render import render
 from rayflock._scene import Scene
+from rayflock._sensor import Sensor
 from rayflock._stats import Source, Stats
+from rayflock._sweep import Sweep
 
 __all__ = [
     "INVALID_ID",
     "Picture",
     "Scene",
+    "Sensor",
     "Source",
     "Stats",
+    "Sweep",
     "__version__",
     "create_rays_pinhole",
     "create_rays_spherical",

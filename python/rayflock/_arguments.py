@@ -87,6 +87,38 @@ def mask(value: ArrayLike, shape: tuple[int, ...] = ()) -> int | Array:
     return int(array) if array.ndim == 0 else spread(array, "mask", shape)
 
 
+def scalar(value: ArrayLike, name: str) -> float:
+    """One number."""
+    array = np.asarray(value)
+    if array.ndim or array.dtype.kind not in "fiu":
+        raise TypeError(f"{name} must be one number, found {value!r}")
+    return float(array)
+
+
+def whole(value: int, name: str) -> int:
+    """A whole number."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} must be a whole number, found {type(value).__name__}") from None
+
+
+def count(value: int, name: str, least: int, most: int) -> int:
+    """A whole number within limits, both included."""
+    found = whole(value, name)
+    if not least <= found <= most:
+        raise ValueError(f"{name} must lie in {least}..{most}, found {found}")
+    return found
+
+
+def triple(value: ArrayLike, name: str) -> tuple[float, float, float]:
+    """A point, a direction or a colour."""
+    array = floats(value, name)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise ValueError(f"{name} must be three finite numbers, found {array.tolist()}")
+    return tuple(array.tolist())
+
+
 def spread(array: Array, name: str, shape: tuple[int, ...]) -> Array:
     """One value a ray, flat; broadcast where there are fewer."""
     if array.shape != shape:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,9 @@ from rayflock import _arguments as arguments
 from rayflock import _native
 from rayflock._arguments import ALL
 from rayflock._rays import create_rays_pinhole, create_rays_spherical
+from rayflock._sensor import Sensor
 from rayflock._stats import Source, Stats
+from rayflock._sweep import Sweep
 
 #: What :meth:`Scene.cast_rays` tells, with what each entry has beside the shape of the rays.
 HITS: dict[str, tuple[type[np.generic], tuple[int, ...]]] = {
@@ -268,6 +271,38 @@ class Scene:
         hits["primitive_uvs"] = hits["primitive_uvs"].reshape(-1, 2)
         return hits
 
+    def sense(
+        self,
+        sensor: Sensor | str | os.PathLike[str] = "spinning:64",
+        *,
+        time: float | None = None,
+        engine: str | None = None,
+        threads: int | None = None,
+    ) -> Sweep:
+        """Sweeps the scene with a LiDAR or a depth camera.
+
+        What was loaded moves while the sensor looks: each column or row of beams meets it as it is
+        at its own time. What was added rests as it is now, and so does the scene itself: its time
+        stays. Files have their materials; what was added is grey and reflects 0.7 of the light.
+
+        Args:
+            sensor: a :class:`Sensor`, or the name or TOML file of one that is on a camera of the
+                file, or where everything is in view.
+            time: when the sweep begins, in seconds; by default at the time to which
+                :meth:`evaluate` has moved the scene, or at 0.
+            engine: traces by this engine in place of the scene's own; no point depends on it.
+            threads: works on so many threads in place of the scene's own number.
+
+        Raises:
+            ValueError: there is no such camera, or a frame of a sequence is damaged.
+        """
+        if not isinstance(sensor, Sensor):
+            sensor = Sensor(sensor)
+        start = None if time is None else _time(time)
+        engine, threads = arguments.engine(engine), arguments.threads(threads)
+        arrays = self._native.sense(sensor._options, start, engine, threads)
+        return Sweep(**arrays, shape=sensor.shape)
+
     def evaluate(self, time: float) -> None:
         """Moves what was loaded by :func:`rayflock.load` to a time in seconds.
 
@@ -276,10 +311,7 @@ class Scene:
         Raises:
             ValueError: the scene was not loaded, or a frame of a sequence is damaged.
         """
-        time = float(time)
-        if not np.isfinite(time):
-            raise ValueError(f"time must be finite, found {time}")
-        self._native.evaluate(time)
+        self._native.evaluate(_time(time))
 
     @property
     def source(self) -> Source | None:
@@ -304,6 +336,13 @@ class Scene:
 
     def _repr_html_(self) -> str:
         return self.stats._repr_html_()
+
+
+def _time(time: float) -> float:
+    found = float(time)
+    if not np.isfinite(found):
+        raise ValueError(f"time must be finite, found {found}")
+    return found
 
 
 def _one_mask(mask: int) -> int:

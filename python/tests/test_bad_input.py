@@ -31,6 +31,7 @@ def read_only(array):
 
 
 SHARED = np.zeros((4, 6), np.float32)
+SMALL = rayflock.Sensor("depth", at=(0, 0, 2), size=(2, 2))
 
 MISTAKES = [
     # Meshes.
@@ -231,6 +232,10 @@ def test_no_argument_makes_it_panic(one_triangle, rng):
         lambda a, b: rayflock.create_rays_spherical(a, b, 3),
         lambda a, b: rayflock.create_rays_pinhole(a, b, (0, 0, 0), (0, 0, 1), 2, 2),
         lambda a, b: rayflock.Scene(engine=a, threads=b),
+        lambda a, b: rayflock.Sensor(a, at=b),
+        lambda a, b: rayflock.Sensor("depth", size=(2, 2), fov=a, poses=b),
+        lambda a, b: rayflock.Sensor("spinning:16", columns=a, elevations=b),
+        lambda a, b: scene.sense(SMALL, time=a, threads=b),
     ]
     answered = 0
     for call, (a, b) in itertools.product(calls, itertools.product(ODD, repeat=2)):

@@ -4,6 +4,7 @@ use pyo3::PyErr;
 use pyo3::exceptions::{PyIndexError, PyKeyError, PyRuntimeError, PyValueError};
 use rayflock::engine::EngineError;
 use rayflock::geom::{GeometryError, RayBatchError};
+use rayflock::render::sensor::SensorError;
 use rayflock::scene::SceneError;
 
 /// Why something cannot be done.
@@ -47,6 +48,15 @@ impl From<SceneError> for Failure {
 impl From<RayBatchError> for Failure {
     fn from(error: RayBatchError) -> Self {
         Self::Value(error.to_string())
+    }
+}
+
+impl From<SensorError> for Failure {
+    fn from(error: SensorError) -> Self {
+        match error {
+            SensorError::Engine(error) => Self::Engine(error),
+            error => Self::Value(error.to_string()),
+        }
     }
 }
 

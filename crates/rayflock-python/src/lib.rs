@@ -13,6 +13,9 @@
 //! | `meshes` | the rows of arrays as meshes |
 //! | `source` | files that move objects |
 //! | `picture` | pictures of scenes |
+//! | `sense` | sensors in scenes that move: `sensor_options`, `sensor_pattern` say what they are |
+//! | `sweep_arrays`, `false_colors` | what sensors saw as NumPy arrays, and in colours |
+//! | `stage` | scenes as pictures and sensors take them |
 //! | `errors` | which exception tells of what |
 //! | `pool` | threads that survive a fork |
 //! | `stats` | what a scene tells about itself |
@@ -25,23 +28,33 @@
 mod answer;
 mod arrays;
 mod errors;
+mod false_colors;
 mod hit_arrays;
 mod meshes;
 mod picture;
 mod pool;
 mod question;
 mod scene;
+mod sense;
+mod sensor_options;
+mod sensor_pattern;
 mod source;
+mod stage;
 mod stats;
+mod sweep_arrays;
 mod world;
 
-/// Engines, scenes and pictures, for the Python package that wraps them.
+/// Engines, scenes, pictures and sensors, for the Python package that wraps them.
 #[pyo3::pymodule]
 mod _native {
+    #[pymodule_export]
+    use super::false_colors::false_colors;
     #[pymodule_export]
     use super::picture::encode_png;
     #[pymodule_export]
     use super::scene::Scene;
+    #[pymodule_export]
+    use super::sensor_options::describe_sensor;
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -8,16 +8,15 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use rayflock::engine::{EngineKind, create};
-use rayflock::geom::{FrameChanges, Geometry, GeometryObject, ObjectId};
+use rayflock::geom::FrameChanges;
 use rayflock::render::tonemap::{ToneMap, to_srgb8};
 use rayflock::render::{Film, FrameRenderer, RenderSettings, View, WhittedRenderer};
-use rayflock::scene::{
-    Background, Material, MaterialIdx, Projection, Scene, SceneFrame, SurfaceMesh, frame_bounds,
-};
+use rayflock::scene::{Background, Projection, frame_bounds};
 
 use crate::arrays::{readable, rows};
 use crate::errors::Failure;
 use crate::pool;
+use crate::stage::Stage;
 use crate::world::World;
 
 /// How a picture is made.
@@ -95,12 +94,15 @@ impl PictureSettings {
 pub(crate) fn render(world: &mut World, picture: &PictureSettings) -> Result<Pixels, Failure> {
     let pool = pool::with_threads(picture.threads.unwrap_or(world.threads))?;
     let view = view(world, picture)?;
-    let (scene, frame) = stage(world)?;
+    let stage = Stage::of(world);
+    let of_file = world.source().map(|source| source.frame().clone());
+    let mut frame = stage.dress(of_file.unwrap_or_default())?;
+    frame.changes = FrameChanges::all();
     let engine = create(picture.engine.unwrap_or(world.engine));
     let mut film = Film::new(picture.width, picture.height);
     pool.install(|| {
         let mut renderer = WhittedRenderer::new(engine);
-        let committed = renderer.commit(&scene, &frame);
+        let committed = renderer.commit(&stage.scene, &frame);
         committed.map_err(|error| Failure::value(error.to_string()))?;
         renderer.render(&view, &picture.settings, &mut film);
         Ok(if picture.is_linear {
@@ -121,19 +123,10 @@ fn view(world: &mut World, picture: &PictureSettings) -> Result<View, Failure> {
             Ok(View::new(looking(*eye, *center, *up), projection))
         }
         CameraChoice::Named(name) => {
-            if let Some(source) = world.source() {
-                let scene = source.scene();
-                if let Some(idx) = scene.camera_idx(name.as_deref())? {
-                    return Ok(View::new(
-                        source.frame().cameras[idx],
-                        scene.cameras[idx].projection,
-                    ));
-                }
-            } else if let Some(name) = name {
-                return Err(Failure::value(format!(
-                    "there is no camera \"{name}\": the scene was not loaded; place one by eye and \
-                     center"
-                )));
+            let camera_idx = world.camera_idx(name.as_deref())?;
+            if let (Some(idx), Some(source)) = (camera_idx, world.source()) {
+                let projection = source.scene().cameras[idx].projection;
+                return Ok(View::new(source.frame().cameras[idx], projection));
             }
             let (camera, projection) = frame_bounds(&world.bounds()?, picture.aspect());
             Ok(View::new(camera, projection))
@@ -147,37 +140,6 @@ fn looking(eye: Vec3, center: Vec3, up: Vec3) -> Affine3A {
     let right = up.cross(back).normalize_or_zero();
     let axes = Mat3A::from_cols(right.into(), back.cross(right).into(), back.into());
     Affine3A { matrix3: axes, translation: eye.into() }
-}
-
-/// The world as a renderer takes it: objects of the file with their materials, others in grey.
-fn stage(world: &World) -> Result<(Scene, SceneFrame), Failure> {
-    let (mut scene, mut frame) = match world.source() {
-        Some(source) => (looks_of(source.scene()), source.frame().clone()),
-        None => Default::default(),
-    };
-    let grey = MaterialIdx(u32::try_from(scene.materials.len()).unwrap_or(u32::MAX));
-    scene.materials.push(Material::default());
-    let mut objects = frame.geometry.objects().to_vec();
-    for object in world.objects_of_callers() {
-        // Renderers look surfaces up by id, so ids have no gaps.
-        let id = ObjectId(u32::try_from(frame.surfaces.len()).unwrap_or(u32::MAX));
-        frame.surfaces.push(SurfaceMesh::new(object.shape.clone(), grey));
-        objects.push(GeometryObject { id, ..object.clone() });
-    }
-    frame.geometry = Geometry::new(objects)?;
-    frame.changes = FrameChanges::all();
-    Ok((scene, frame))
-}
-
-/// What a renderer wants to know of a scene besides its frame.
-fn looks_of(scene: &Scene) -> Scene {
-    Scene {
-        materials: scene.materials.clone(),
-        textures: scene.textures.clone(),
-        ambient: scene.ambient,
-        background: scene.background,
-        ..Scene::default()
-    }
 }
 
 impl Pixels {

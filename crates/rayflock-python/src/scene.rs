@@ -14,8 +14,11 @@ use crate::hit_arrays::hit_arrays;
 use crate::meshes;
 use crate::picture::{PictureSettings, render};
 use crate::question::Question;
+use crate::sense::{SenseQuestion, sense};
+use crate::sensor_options::SensorOptions;
 use crate::source::{Source, load_options};
 use crate::stats::SceneStats;
+use crate::sweep_arrays::sweep_arrays;
 use crate::world::{Owner, World};
 
 /// Objects that rays can hit, each of which may change at any time. Arrays are float32 and uint32,
@@ -159,6 +162,21 @@ impl Scene {
         let settings = PictureSettings::new(settings)?;
         let pixels = self.with_world(py, |world| render(world, &settings))?;
         Ok(pixels.into_array(py))
+    }
+
+    fn sense<'py>(
+        &self,
+        py: Python<'py>,
+        sensor: &Bound<'py, PyDict>,
+        start: Option<f64>,
+        engine: Option<&str>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let sensor = SensorOptions::new(sensor)?;
+        let engine = engine.map(str::parse).transpose().map_err(Failure::from)?;
+        let question = SenseQuestion { sensor, start, engine, threads };
+        let sweep = self.with_world(py, |world| sense(world, &question))?;
+        sweep_arrays(py, sweep)
     }
 
     fn ids(&self, py: Python<'_>) -> PyResult<Vec<u32>> {

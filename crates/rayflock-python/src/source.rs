@@ -59,6 +59,11 @@ impl Source {
         Ok(())
     }
 
+    /// A player of the same file, which goes to other times without this one.
+    pub(crate) fn player(&self) -> Evaluator {
+        self.evaluator.clone()
+    }
+
     /// What the file describes.
     pub(crate) fn scene(&self) -> &Arc<Scene> {
         self.evaluator.scene()

@@ -176,6 +176,17 @@ impl World {
         self.source.as_ref()
     }
 
+    /// Which camera of the file has this name; without a name its first, `None` where it has none.
+    pub(crate) fn camera_idx(&self, name: Option<&str>) -> Result<Option<usize>, Failure> {
+        match (&self.source, name) {
+            (Some(source), name) => Ok(source.scene().camera_idx(name)?),
+            (None, None) => Ok(None),
+            (None, Some(name)) => Err(Failure::value(format!(
+                "there is no camera \"{name}\": the scene was not loaded, so it has none"
+            ))),
+        }
+    }
+
     /// The objects that were added, not loaded.
     pub(crate) fn objects_of_callers(&self) -> impl Iterator<Item = &GeometryObject> {
         let added = self.objects.values().filter(|found| found.owner != Owner::Source);
