@@ -21,6 +21,7 @@ pub(crate) mod group_rays;
 pub(crate) mod light_dots;
 pub(crate) mod mirror_rays;
 pub(crate) mod refraction_rays;
+pub(crate) mod runs;
 pub(crate) mod scatter_paths;
 pub(crate) mod shade_surface;
 pub(crate) mod shadow_rays;

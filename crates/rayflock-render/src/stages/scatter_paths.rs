@@ -9,11 +9,10 @@
 use glam::Vec3;
 use rayflock_geom::{Hit, HitBuffer, Ray, RayBatch};
 use rayflock_scene::Material;
-use rayon::prelude::*;
 use tracing::debug_span;
 
-use super::RUN;
-use super::shade_surface::{Surroundings, pixels_of};
+use super::runs::begin_runs;
+use super::shade_surface::Surroundings;
 use crate::shading::background;
 use crate::shading::sampling::Turn;
 use crate::shading::scatter::{Scatter, reflected, scatter};
@@ -35,14 +34,9 @@ pub(crate) fn scatter_paths(
 ) {
     let _span = debug_span!("scatter_paths").entered();
     let batch = wave.batch();
-    runs.resize_with(wave.len().div_ceil(RUN).max(runs.len()), ShadedRun::default);
-    runs.par_iter_mut().enumerate().for_each(|(run_idx, run)| {
-        run.clear(wave.bounce);
-        let start = (run_idx * RUN).min(wave.len());
-        let end = (start + RUN).min(wave.len());
-        run.pixels = pixels_of(&wave.paths[start..end]);
+    begin_runs(wave, runs, |rays, run| {
         let course = Course { surroundings, sample_idx, bounce: wave.bounce };
-        for ray_idx in start..end {
+        for ray_idx in rays {
             course.shade_ray(&batch, &wave.paths[ray_idx], &hits.get(ray_idx), ray_idx, run);
         }
     });

@@ -5,17 +5,14 @@
 //! absorbed along the ray first (Beer-Lambert); a ray that leaves a transmitting solid without
 //! hitting its far side, because the mesh is open, is not absorbed.
 
-use std::ops::Range;
-
 use glam::Vec3;
 use rayflock_geom::{HitBuffer, Ray, RayBatch};
 use rayflock_scene::Background;
-use rayon::prelude::*;
 use tracing::debug_span;
 
-use super::RUN;
 use super::mirror_rays::mirror_ray;
 use super::refraction_rays::refraction_ray;
+use super::runs::begin_runs;
 use crate::frame_shading::FrameShading;
 use crate::lights::key_light::SKY_SHARE;
 use crate::shading::background;
@@ -63,24 +60,11 @@ pub(crate) fn shade_surface(
 ) {
     let _span = debug_span!("shade_surface").entered();
     let batch = wave.batch();
-    runs.resize_with(wave.len().div_ceil(RUN).max(runs.len()), ShadedRun::default);
-    runs.par_iter_mut().enumerate().for_each(|(run_idx, run)| {
-        run.clear(wave.bounce);
-        let start = (run_idx * RUN).min(wave.len());
-        let end = (start + RUN).min(wave.len());
-        run.pixels = pixels_of(&wave.paths[start..end]);
-        for ray_idx in start..end {
+    begin_runs(wave, runs, |rays, run| {
+        for ray_idx in rays {
             shade_ray(surroundings, wave, &batch, hits, ray_idx, run);
         }
     });
-}
-
-/// From the first to the last pixel of `paths`.
-pub(crate) fn pixels_of(paths: &[Path]) -> Range<usize> {
-    let pixels = paths.iter().map(|path| path.pixel_idx as usize);
-    let (first, last) =
-        pixels.fold((usize::MAX, 0), |(first, last), pixel| (first.min(pixel), last.max(pixel)));
-    if paths.is_empty() { 0..0 } else { first..last + 1 }
 }
 
 fn shade_ray(

@@ -6,8 +6,7 @@ use glam::Vec3;
 use rayflock_geom::HitBuffer;
 use rayon::prelude::*;
 
-use super::RUN;
-use super::shade_surface::pixels_of;
+use super::runs::{begin_runs, rays_of};
 use crate::Shown;
 use crate::frame_shading::FrameShading;
 use crate::shading::surface_point::surface_point;
@@ -23,13 +22,8 @@ pub(crate) fn show_surface(
     runs: &mut Vec<ShadedRun>,
 ) {
     let batch = wave.batch();
-    runs.resize_with(wave.len().div_ceil(RUN).max(runs.len()), ShadedRun::default);
-    runs.par_iter_mut().enumerate().for_each(|(run_idx, run)| {
-        run.clear(wave.bounce);
-        let start = (run_idx * RUN).min(wave.len());
-        let end = (start + RUN).min(wave.len());
-        run.pixels = pixels_of(&wave.paths[start..end]);
-        for ray_idx in start..end {
+    begin_runs(wave, runs, |rays, run| {
+        for ray_idx in rays {
             let (ray, hit) = (batch.ray(ray_idx), hits.get(ray_idx));
             let radiance = match (shown, surface_point(frame, &ray, &hit)) {
                 (Shown::Normals, Some(point)) => 0.5 * point.normal + 0.5,
@@ -46,10 +40,9 @@ pub(crate) fn show_surface(
 /// Makes what each ray of `wave` adds to its pixel its own cost.
 pub(crate) fn count_rays(wave: &Wave, runs: &mut [ShadedRun]) {
     runs.par_iter_mut().enumerate().for_each(|(run_idx, run)| {
-        let start = (run_idx * RUN).min(wave.len());
-        let end = (start + RUN).min(wave.len());
         run.unshadowed.clear();
-        run.unshadowed.extend(wave.paths[start..end].iter().map(|path| cost(path.pixel_idx)));
+        run.unshadowed
+            .extend(wave.paths[rays_of(run_idx, wave)].iter().map(|path| cost(path.pixel_idx)));
     });
 }
 
