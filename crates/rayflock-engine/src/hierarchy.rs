@@ -98,7 +98,7 @@ impl HierarchyEngine {
         let _span = tracing::debug_span!("trace_points").entered();
         let work =
             PointWork { simd: self.config.simd, table: &self.table, rays, question, t_bounds };
-        let traced = self.points.trace(&work, &mut self.arrangement);
+        let traced = self.points.trace(&work);
         self.on_faces = traced.is_some();
         if let Some(stats) = traced {
             return stats;

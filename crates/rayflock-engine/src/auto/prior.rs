@@ -82,15 +82,20 @@ fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
         },
         (EngineKind::Hierarchy, SharedOrigin) => Coefficients {
             fixed: 60_000.0,
-            prim: 8.0,
-            near_prim: 50.0,
-            ray: 5.0,
-            ray_level: 3.6,
+            prim: 2.0,
+            near_prim: 25.0,
+            ray: 1.0,
+            ray_level: 3.4,
             ..NOTHING
         },
-        (EngineKind::Hierarchy, SharedDirection) => {
-            Coefficients { fixed: 60_000.0, prim: 5.0, near_prim: 57.0, ray_level: 10.0, ..NOTHING }
-        }
+        (EngineKind::Hierarchy, SharedDirection) => Coefficients {
+            fixed: 80_000.0,
+            prim: 2.0,
+            near_prim: 27.0,
+            ray: 1.0,
+            ray_level: 5.5,
+            ..NOTHING
+        },
         (EngineKind::Hierarchy, Ordered | Unordered) => {
             Coefficients { fixed: 100_000.0, prim: 20.0, ray: 300.0, test: 0.15, ..NOTHING }
         }

@@ -25,7 +25,7 @@ pub(super) const NO_RAY: u32 = u32::MAX;
 const RAYS_PER_TASK: usize = 4096;
 
 /// Pixels along the side of an image tile.
-const TILE_SIDE: usize = 4;
+pub(super) const TILE_SIDE: usize = 4;
 
 /// The ray at a place, if there is one and it is active.
 pub(super) fn active_ray(batch: &RayBatch<'_>, ray_idx: u32) -> Option<Ray> {
@@ -49,10 +49,10 @@ pub(super) struct Arrangement {
 
 /// The pixels of an image batch and where its rays lie.
 #[derive(Clone, Copy)]
-struct Image {
-    width: usize,
-    height: usize,
-    tile: usize,
+pub(super) struct Image {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) tile: usize,
 }
 
 impl Arrangement {
@@ -151,8 +151,14 @@ fn effective_order(batch: &RayBatch<'_>) -> RayOrder {
 }
 
 impl Image {
+    /// The pixels of a batch that is an image with several rows and columns.
+    pub(super) fn of(batch: &RayBatch<'_>) -> Option<Self> {
+        let RayOrder::Image { width, height, tile } = effective_order(batch) else { return None };
+        (width > 1 && height > 1).then_some(Self { width, height, tile })
+    }
+
     /// The ray of a pixel, or `None` outside the image.
-    fn ray_idx(self, x: usize, y: usize) -> Option<u32> {
+    pub(super) fn ray_idx(self, x: usize, y: usize) -> Option<u32> {
         let Self { width, height, tile } = self;
         if x >= width || y >= height {
             return None;

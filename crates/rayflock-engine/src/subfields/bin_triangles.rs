@@ -2,7 +2,7 @@
 
 use rayflock_geom::simd::face::{Face, FaceTriangles};
 use rayflock_geom::simd::face_rows::{CELL_BITS, FaceRow, Window, write_rows};
-use rayflock_geom::simd::face_triangle::FaceTriangle;
+use rayflock_geom::simd::face_triangle::FaceReach;
 use rayflock_geom::simd::triangle_lanes::TriangleLanes;
 use rayflock_geom::simd::{
     LANES, Select, Simd, SimdBase, SimdLevel, SimdMask, dispatch, f32x16, mask32x16, u32x16,
@@ -92,7 +92,7 @@ impl Projection<'_> {
     fn others<'a>(
         &'a self,
         wanted: &'a [WantedLanes],
-    ) -> impl Iterator<Item = (u32, Option<FaceTriangle>)> + 'a {
+    ) -> impl Iterator<Item = (u32, Option<FaceReach>)> + 'a {
         let lanes = wanted.iter().flat_map(|wanted| {
             let lanes = (0..LANES as u32).filter(move |lane| wanted.lanes & (1 << lane) != 0);
             lanes.map(move |lane| wanted.block_idx * LANES as u32 + lane)
@@ -121,9 +121,9 @@ const FARTHEST: f32 = 1e15;
 
 impl Extent {
     /// The extent of a primitive in a cube.
-    fn of(placed: &FaceTriangle) -> Self {
-        let bounds = placed.bounds();
-        let nearest = placed.nearest();
+    fn of(placed: &FaceReach) -> Self {
+        let bounds = placed.bounds;
+        let nearest = placed.nearest;
         let width = (bounds[1] - bounds[0]).max(bounds[3] - bounds[2]);
         let farthest = nearest - width * 1.000_001 - nearest.abs() * 1e-6;
         Self { bounds, nearness: [nearest, farthest], depth_error: 0.0 }
@@ -257,7 +257,7 @@ impl Share {
     ) {
         for (slot, placed) in from.others(wanted) {
             let Some(placed) = placed else { continue };
-            let [x0, x1, y0, y1] = placed.bounds();
+            let [x0, x1, y0, y1] = placed.bounds;
             if !Extent::of(&placed).is_in_range() {
                 self.everywhere.push(slot);
                 continue;

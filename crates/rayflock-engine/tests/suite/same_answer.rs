@@ -5,6 +5,7 @@ use glam::Vec3;
 use proptest::prelude::*;
 use rayflock_geom::{
     FrameChanges, Geometry, GeometryObject, Hit, HitBuffer, Hits, Mesh, ObjectId, PrimId, RayBatch,
+    RayOrder,
 };
 use rayflock_testkit::Rng;
 use rayflock_testkit::rays::{RayForm, RaySet, every_order};
@@ -262,6 +263,48 @@ fn engines_agree_under_every_hint() {
                     assert_eq!(check_whole(&mut subject, &batch, &expected), Ok(()), "{form:?}");
                 }
             }
+        }
+    }
+}
+
+/// A camera's image is taken for a lattice after a look at some rays: one ray that goes elsewhere
+/// must not be lost, nor rays that are invalid or switched off.
+#[test]
+fn engines_agree_on_images_with_a_ray_astray() {
+    let recipe = SceneRecipe { seed: 9, object_count: 6, prim_count: 60, size: 1.0, offset: 0.0 };
+    let geometry = recipe.geometry();
+    let (width, height) = (38, 22);
+    let eye = Vec3::new(0.1, 0.2, 3.0);
+    let straight: Vec<Vec3> = (0..width * height)
+        .map(|idx| {
+            let (x, y) = ((idx % width) as f32 - 18.5, (idx / width) as f32 - 10.5);
+            Vec3::new(0.05 * x, -0.05 * y, -1.0)
+        })
+        .collect();
+    let astray = [
+        None,
+        Some((5 * width + 3, Vec3::new(0.3, 0.3, -1.0))),
+        Some((5 * width + 3, straight[5 * width + 4])),
+        Some((9 * width + 30, Vec3::Z)),
+        Some((9 * width + 30, Vec3::NAN)),
+        Some((0, Vec3::new(-2.0, 1.0, -1.0))),
+    ];
+    let mut subjects = Subject::all();
+    for subject in &mut subjects {
+        subject.commit(&geometry, &FrameChanges::all());
+    }
+    for one in astray {
+        let mut directions = straight.clone();
+        if let Some((idx, direction)) = one {
+            directions[idx] = direction;
+        }
+        let order = RayOrder::Image { width, height, tile: 0 };
+        let batch = RayBatch::new(eye, &directions).unwrap().with_order(order);
+        let expected = expected_hits(&geometry, &batch);
+        let hit_count = (0..batch.len()).filter(|&idx| !expected.get(idx).is_miss()).count();
+        assert!(hit_count > 40, "{hit_count} hits say little");
+        for subject in &mut subjects {
+            assert_eq!(check_whole(subject, &batch, &expected), Ok(()), "{one:?}");
         }
     }
 }

@@ -14,7 +14,7 @@
 use glam::{DVec3, Vec3};
 
 use super::face::{Face, FaceKind};
-use super::face_triangle::FaceTriangle;
+use super::face_triangle::FaceReach;
 use super::ray_triangle::{DEPTH_ERROR, PERTURBATION};
 use crate::Sphere;
 
@@ -23,16 +23,15 @@ const EVERYWHERE: [f32; 4] = [f32::MIN, f32::MAX, f32::MIN, f32::MAX];
 
 impl Face {
     /// Sets up one triangle of any kind; `None` if no ray of the face hits it.
-    pub fn place_triangle(&self, corners: [Vec3; 3]) -> Option<FaceTriangle> {
-        let anywhere = FaceTriangle::anywhere(EVERYWHERE, f32::INFINITY);
-        let placed = match self.kind {
-            FaceKind::Central => self.place_wide(corners, anywhere)?,
-            FaceKind::Parallel { .. } => anywhere,
-        };
-        Some(placed.with_corners(corners))
+    pub fn place_triangle(&self, corners: [Vec3; 3]) -> Option<FaceReach> {
+        let anywhere = FaceReach::anywhere(EVERYWHERE, f32::INFINITY);
+        match self.kind {
+            FaceKind::Central => self.place_wide(corners, anywhere),
+            FaceKind::Parallel { .. } => Some(anywhere),
+        }
     }
 
-    fn place_wide(&self, corners: [Vec3; 3], anywhere: FaceTriangle) -> Option<FaceTriangle> {
+    fn place_wide(&self, corners: [Vec3; 3], anywhere: FaceReach) -> Option<FaceReach> {
         let p = corners.map(|corner| self.rotated(corner));
         let (edge1, edge2) = (p[1] - p[0], p[2] - p[0]);
         let longest = edge1.length().max(edge2.length()).max((p[2] - p[1]).length());
@@ -51,21 +50,19 @@ impl Face {
             return Some(anywhere);
         }
         let mut placed = anywhere;
-        for (k, edge) in placed.planes[..9].chunks_exact_mut(3).enumerate() {
+        for (k, edge) in placed.edges.iter_mut().enumerate() {
             let (from, to) = (p[k], p[(k + 1) % 3]);
             let plane = from.cross(to) * det.signum();
             let widened = 32.0 * perturbation * from.length() * to.length();
             let size = plane.abs().max_element().max(widened).max(f64::MIN_POSITIVE);
-            edge.copy_from_slice(
-                &[plane.x, plane.y, plane.z + widened].map(|value| (value / size) as f32),
-            );
+            *edge = [plane.x, plane.y, plane.z + widened].map(|value| (value / size) as f32);
         }
         Some(placed)
     }
 
     /// Sets up a primitive within a bounding sphere; `None` if no ray of the face touches it.
     /// `slack` is relative to distances, as for [`cone_sphere`](super::cone_sphere).
-    pub fn place_sphere(&self, sphere: &Sphere, slack: f32) -> Option<FaceTriangle> {
+    pub fn place_sphere(&self, sphere: &Sphere, slack: f32) -> Option<FaceReach> {
         if sphere.radius < 0.0 {
             return None;
         }
@@ -80,21 +77,18 @@ impl Face {
         match self.kind {
             FaceKind::Parallel { .. } => {
                 let bounds = [p.x - radius, p.x + radius, p.y - radius, p.y + radius];
-                Some(FaceTriangle::anywhere(
-                    bounds.map(|bound| bound as f32),
-                    (radius - p.z) as f32,
-                ))
+                Some(FaceReach::anywhere(bounds.map(|bound| bound as f32), (radius - p.z) as f32))
             }
             FaceKind::Central if p.z + radius < 0.0 => None,
             FaceKind::Central if p.z - radius < 1e-3 * radius => {
-                Some(FaceTriangle::anywhere(EVERYWHERE, f32::INFINITY))
+                Some(FaceReach::anywhere(EVERYWHERE, f32::INFINITY))
             }
             FaceKind::Central => {
                 let [x0, x1] = slopes(p.x, p.z, radius);
                 let [y0, y1] = slopes(p.y, p.z, radius);
                 let nearest = 1.0 / (p.z - radius) * (1.0 + 1e-6);
                 let bounds = [x0, x1, y0, y1].map(|bound| bound as f32);
-                Some(FaceTriangle::anywhere(bounds, nearest as f32))
+                Some(FaceReach::anywhere(bounds, nearest as f32))
             }
         }
     }

@@ -6,11 +6,8 @@ use proptest::prelude::*;
 use super::axes::Axes;
 use super::face::{Face, FaceKind};
 use super::face_triangle::{FaceTriangle, set_up};
-use super::point_boxes::{PointBox, PointBoxes};
 use super::ray_triangle::{ShearedRay, TriangleBlock, intersect_block};
-use super::{
-    LANES, Lanes, Simd, SimdBase, SimdLevel, SimdMask, dispatch, f32x16, mask32x16, u32x16,
-};
+use super::{LANES, Lanes, Simd, SimdBase, SimdLevel, SimdMask, dispatch, f32x16, mask32x16};
 use crate::Ray;
 
 /// Sixteen rays of a face, and sixteen triangles around points of them.
@@ -81,28 +78,28 @@ fn around(point: Vec3, edges: [[f32; 3]; 2], [u, v]: [f32; 2], size: f32) -> [Ve
     [first, first + a, first + b]
 }
 
-/// The triangles as the face's kernels hand them on; `None` for those said to be out of reach.
+/// The triangles as the face's kernels hand them on, with their least and largest y; `None` for
+/// those said to be out of reach.
 #[inline(always)]
-fn place<S: Simd>(simd: S, case: &Case) -> [Option<FaceTriangle>; LANES] {
+fn place<S: Simd>(simd: S, case: &Case) -> [Option<(FaceTriangle, [f32; 2])>; LANES] {
     let load = |column: &Lanes| f32x16::from_slice(simd, column);
     let [a, b, c] = &case.block.corners;
     let axes = |corner: &[Lanes; 3]| [load(&corner[0]), load(&corner[1]), load(&corner[2])];
     let corners: [Axes<S>; 3] = [axes(a), axes(b), axes(c)];
     let placed = case.face.project_triangles(simd, &corners);
     let mut written = [FaceTriangle::EMPTY; LANES];
-    let nobody = [u32x16::splat(simd, 0); 3];
-    set_up(simd, &placed).store(simd, &placed.bounds, &case.block, nobody, &mut written);
-    let mut found = [None; LANES];
-    for lane in 0..LANES {
-        found[lane] = if placed.placed.test(lane) {
-            Some(written[lane])
+    let [x0, x1, y0, y1] = placed.bounds;
+    set_up(simd, &placed).store(simd, [x0, x1], &mut written);
+    std::array::from_fn(|lane| {
+        if placed.placed.test(lane) {
+            Some((written[lane], [y0[lane], y1[lane]]))
         } else if placed.behind.test(lane) {
             None
         } else {
-            case.face.place_triangle(case.block.get(lane))
-        };
-    }
-    found
+            let reach = case.face.place_triangle(case.block.get(lane))?;
+            Some((FaceTriangle::of(&reach), [reach.bounds[2], reach.bounds[3]]))
+        }
+    })
 }
 
 /// Triangles whose box in space says less than it must.
@@ -147,15 +144,15 @@ fn wrongly_rejected<S: Simd>(simd: S, case: &Case) -> Vec<(usize, usize, &'stati
             let limit = case.face.limit(simd, &points, t);
             let begin = case.face.begin(simd, &points, t);
             let place = [points.x, points.y, limit, begin];
-            let Some(triangle) = &placed[lane] else {
+            let Some((triangle, [low, high])) = &placed[lane] else {
                 wrong.push((ray_idx, lane, "out of reach"));
                 continue;
             };
-            let bound = PointBox::around(simd, place, everywhere);
-            let mut boxes = PointBoxes::EMPTY;
-            boxes.set(5, &bound);
-            if boxes.touched(simd, triangle) & (1 << 5) == 0 {
-                wrong.push((ray_idx, lane, "by its box"));
+            // A strip as narrow as can be.
+            let (x, y) = (points.x[0], points.y[0]);
+            let [x0, x1] = triangle.clip([y, y]);
+            if !(*low <= y && y <= *high && x0 <= x && x <= x1) {
+                wrong.push((ray_idx, lane, "by its strip"));
             }
             if !triangle.may_hit(simd, place).test(0) {
                 wrong.push((ray_idx, lane, "by edges or depth"));
@@ -203,7 +200,9 @@ fn what_lies_beside_or_behind_is_rejected() {
             let zero = f32x16::splat(simd, 0.0);
             let infinite = f32x16::splat(simd, f32::INFINITY);
             place(simd, &case).map(|placed| {
-                placed.is_some_and(|placed| placed.may_hit(simd, [zero, zero, zero, infinite]).test(0))
+                placed.is_some_and(|(placed, _)| {
+                    placed.may_hit(simd, [zero, zero, zero, infinite]).test(0)
+                })
             })
         });
         assert_eq!(kept[..3], [true, false, false], "{level}");

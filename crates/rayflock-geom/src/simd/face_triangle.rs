@@ -18,16 +18,13 @@
 //!   and by what the point is off: `5 m G k / d` and `36 u G k^2` are added beside the face's own
 //!   margin. Slivers (`k` above 256) have their largest nearness everywhere.
 //!
-//! **Invariants.** Evaluation is monotone in x and in y, rounding included: the values at a box's
-//! corners bound those at points within.
+//! **Invariants.** Evaluation is monotone in x and in y, rounding included, so the values at the
+//! sides of a strip bound those at points within.
 //!
 //! **Cost.** Some 90 operations and one division for 16 triangles; 11 for 16 rays.
 
-use glam::Vec3;
-
 use super::face::FaceTriangles;
-use super::ray_triangle::TriangleBlock;
-use super::{Bytes, LANES, Lanes, Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16, u32x16};
+use super::{LANES, Lanes, Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 
 /// Beyond this square of size over area, a triangle is a sliver.
 const SLIVER: f32 = 256.0;
@@ -42,108 +39,66 @@ pub struct TrianglePlanes<S: Simd> {
     pub edges: [[f32x16<S>; 3]; 3],
     /// a, b and c of the nearness.
     pub near: [f32x16<S>; 3],
-    /// The largest nearness of a hit anywhere.
-    pub nearest: f32x16<S>,
-    /// The least nearness of a hit anywhere.
-    pub farthest: f32x16<S>,
     /// By how much the nearness of a hit may be less than the plane says.
     pub spread: f32x16<S>,
 }
 
-/// A triangle on its way to the rays: what its face knows about it, and itself.
+/// What rays are asked of a triangle before they meet it.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct FaceTriangle {
-    /// A, B, C of three edges, then a, b, c of the nearness; last the box: least and largest x,
-    /// least and largest y.
-    pub planes: Lanes,
-    /// Corners, nine coordinates; the largest nearness, the least, the spread; then bits of slot,
-    /// rank and mask.
-    pub primitive: Lanes,
+    /// A, B, C of three edges, then a, b, c of the nearness; least and largest x; the spread.
+    planes: Lanes,
 }
 
-/// Places in [`FaceTriangle::primitive`].
-const NEAREST: usize = 9;
-const FARTHEST: usize = 10;
-const SPREAD: usize = 11;
-const SLOT: usize = 12;
-const RANK: usize = 13;
-const MASK: usize = 14;
+/// Places in [`FaceTriangle::planes`].
+const NEAR: usize = 9;
+const ENDS: usize = 12;
+const SPREAD: usize = 14;
+
+/// By how much a clipped end is moved outward, for the rounding of a division.
+const CLIP_SLACK: f32 = 4.0 * f32::EPSILON;
 
 impl FaceTriangle {
     /// Nothing, to be overwritten.
-    pub const EMPTY: Self = Self { planes: [0.0; LANES], primitive: [0.0; LANES] };
+    pub const EMPTY: Self = Self { planes: [0.0; LANES] };
 
-    /// A primitive that may be hit anywhere in its box (least and largest x, least and largest y),
-    /// up to a nearness.
-    pub fn anywhere(bounds: [f32; 4], nearest: f32) -> Self {
+    /// What is known of a primitive that was placed alone.
+    pub fn of(reach: &FaceReach) -> Self {
         let mut all = Self::EMPTY;
-        all.planes[11] = nearest;
-        // Finite, so that boxes without points stay out of reach.
-        let bounds = bounds.map(|bound| bound.clamp(f32::MIN, f32::MAX));
-        all.planes[12..].copy_from_slice(&bounds);
-        all.primitive[NEAREST] = nearest;
-        all.primitive[FARTHEST] = f32::NEG_INFINITY;
-        all.primitive[SPREAD] = f32::INFINITY;
+        all.planes[..NEAR].copy_from_slice(reach.edges.as_flattened());
+        all.planes[NEAR + 2] = reach.nearest;
+        all.planes[ENDS..SPREAD].copy_from_slice(&reach.bounds[..2]);
+        all.planes[SPREAD] = f32::INFINITY;
         all
     }
 
-    /// These corners.
-    pub fn with_corners(mut self, corners: [Vec3; 3]) -> Self {
-        for (place, corner) in self.primitive.chunks_exact_mut(3).zip(corners) {
-            place.copy_from_slice(&corner.to_array());
+    /// Least and largest x.
+    #[inline(always)]
+    pub fn ends(&self) -> [f32; 2] {
+        [self.planes[ENDS], self.planes[ENDS + 1]]
+    }
+
+    /// Least and largest x between two y: outside of them [`Self::may_hit`] keeps nothing that the
+    /// accepting test may accept. The first is larger where there is nothing between.
+    #[inline(always)]
+    pub fn clip(&self, [y0, y1]: [f32; 2]) -> [f32; 2] {
+        let [mut x0, mut x1] = self.ends();
+        for edge in self.planes[..NEAR].chunks_exact(3) {
+            let (a, b, c) = (edge[0], edge[1], edge[2]);
+            // An edge function is at most `a x + rest` there, rounding included.
+            let rest = b.mul_add(y0, c).max(b.mul_add(y1, c));
+            let bound = rest / -a;
+            let slack = CLIP_SLACK * bound.abs();
+            if a > 0.0 {
+                x0 = x0.max(bound - slack);
+            } else if a < 0.0 {
+                x1 = x1.min(bound + slack);
+            } else if rest < 0.0 {
+                return [f32::INFINITY, f32::NEG_INFINITY];
+            }
         }
-        self
-    }
-
-    /// Writes who this is.
-    pub fn identify(&mut self, slot: u32, rank: u32, mask: u32) {
-        self.primitive[SLOT] = f32::from_bits(slot);
-        self.primitive[RANK] = f32::from_bits(rank);
-        self.primitive[MASK] = f32::from_bits(mask);
-    }
-
-    /// The corners.
-    #[inline(always)]
-    pub fn corners(&self) -> [Vec3; 3] {
-        let corner = |first: usize| Vec3::from_slice(&self.primitive[first..first + 3]);
-        [corner(0), corner(3), corner(6)]
-    }
-
-    /// The largest nearness of a hit.
-    #[inline(always)]
-    pub fn nearest(&self) -> f32 {
-        self.primitive[NEAREST]
-    }
-
-    /// The least nearness of a hit.
-    #[inline(always)]
-    pub fn farthest(&self) -> f32 {
-        self.primitive[FARTHEST]
-    }
-
-    /// The slot.
-    #[inline(always)]
-    pub fn slot(&self) -> u32 {
-        self.primitive[SLOT].to_bits()
-    }
-
-    /// The rank.
-    #[inline(always)]
-    pub fn rank(&self) -> u32 {
-        self.primitive[RANK].to_bits()
-    }
-
-    /// The object mask.
-    #[inline(always)]
-    pub fn mask(&self) -> u32 {
-        self.primitive[MASK].to_bits()
-    }
-
-    /// Least and largest x, least and largest y.
-    #[inline(always)]
-    pub fn bounds(&self) -> [f32; 4] {
-        [self.planes[12], self.planes[13], self.planes[14], self.planes[15]]
+        [x0, x1]
     }
 
     /// Which of sixteen rays may hit the triangle: points, the least and the largest nearness at
@@ -156,8 +111,27 @@ impl FaceTriangle {
         let c = plane(simd, [p[6], p[7], p[8]], x, y);
         let near = plane(simd, [p[9], p[10], p[11]], x, y);
         let zero = f32x16::splat(simd, 0.0);
-        let before = (near - f32x16::splat(simd, self.primitive[SPREAD])).simd_gt(begin);
+        let before = (near - f32x16::splat(simd, p[SPREAD])).simd_gt(begin);
         !(a.min(b).min(c).simd_lt(zero) | near.simd_lt(limit) | before)
+    }
+}
+
+/// Where on a face a primitive may be hit that was placed alone.
+#[derive(Clone, Copy, Debug)]
+pub struct FaceReach {
+    /// Least and largest x, least and largest y.
+    pub bounds: [f32; 4],
+    /// A, B and C of three edges, all zero where there are none.
+    pub edges: [[f32; 3]; 3],
+    /// The largest nearness of a hit.
+    pub nearest: f32,
+}
+
+impl FaceReach {
+    /// Anywhere in the box (least and largest x, least and largest y), up to a nearness.
+    pub fn anywhere(bounds: [f32; 4], nearest: f32) -> Self {
+        let bounds = bounds.map(|bound| bound.clamp(f32::MIN, f32::MAX));
+        Self { bounds, edges: [[0.0; 3]; 3], nearest }
     }
 }
 
@@ -206,7 +180,7 @@ pub fn set_up<S: Simd>(simd: S, on_face: &FaceTriangles<S>) -> TrianglePlanes<S>
     let zero = splat(simd, 0.0);
     let near = [is_plane.select(a, zero), is_plane.select(b, zero), is_plane.select(c, nearest)];
     let spread = is_plane.select(raised + raised, nearest - farthest);
-    TrianglePlanes { edges, near, nearest, farthest, spread }
+    TrianglePlanes { edges, near, spread }
 }
 
 /// The edge function that grows to the inside, raised by `widened`.
@@ -224,46 +198,30 @@ fn edge<S: Simd>(
 }
 
 impl<S: Simd> TrianglePlanes<S> {
-    /// Writes the triangles one after the other, given their boxes, corners and bits of slots,
-    /// ranks and masks.
+    /// Writes the triangles one after the other, given their least and largest x.
     #[inline(always)]
-    pub fn store(
-        &self,
-        simd: S,
-        bounds: &[f32x16<S>; 4],
-        block: &TriangleBlock,
-        identity: [u32x16<S>; 3],
-        triangles: &mut [FaceTriangle; LANES],
-    ) {
-        let ([a, b, c], [d, e, f]) = (self.edges, (self.near));
-        let planes = transpose([
-            a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], d, e, f, bounds[0], bounds[1],
-            bounds[2], bounds[3],
-        ]);
-        let load =
-            |corner: usize, axis: usize| f32x16::from_slice(simd, &block.corners[corner][axis]);
-        let zero = f32x16::splat(simd, 0.0);
-        let primitives = transpose([
-            load(0, 0),
-            load(0, 1),
-            load(0, 2),
-            load(1, 0),
-            load(1, 1),
-            load(1, 2),
-            load(2, 0),
-            load(2, 1),
-            load(2, 2),
-            self.nearest,
-            self.farthest,
+    pub fn store(&self, simd: S, [x0, x1]: [f32x16<S>; 2], triangles: &mut [FaceTriangle; LANES]) {
+        let ([a, b, c], [d, e, f]) = (self.edges, self.near);
+        let rows = transpose([
+            a[0],
+            a[1],
+            a[2],
+            b[0],
+            b[1],
+            b[2],
+            c[0],
+            c[1],
+            c[2],
+            d,
+            e,
+            f,
+            x0,
+            x1,
             self.spread,
-            identity[0].bitcast(),
-            identity[1].bitcast(),
-            identity[2].bitcast(),
-            zero,
+            f32x16::splat(simd, 0.0),
         ]);
-        for lane in 0..LANES {
-            planes[lane].store_slice(&mut triangles[lane].planes);
-            primitives[lane].store_slice(&mut triangles[lane].primitive);
+        for (triangle, row) in triangles.iter_mut().zip(rows) {
+            row.store_slice(&mut triangle.planes);
         }
     }
 }

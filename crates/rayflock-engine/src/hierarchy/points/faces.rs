@@ -7,7 +7,9 @@
 
 use glam::{DVec3, Vec3};
 use rayflock_geom::simd::face::{Face, FaceKind};
-use rayflock_geom::{Ray, RayBatch, RayOrder, RayState};
+use rayflock_geom::{Ray, RayBatch, RayState};
+
+use super::super::arrange::Image;
 
 /// Rays of the sample.
 const SAMPLE: usize = 128;
@@ -33,6 +35,10 @@ impl Faces {
         };
         let mean: DVec3 = sample(batch).map(|ray| unit(ray.direction)).sum();
         let mean = mean.normalize_or_zero();
+        if let Some(rows) = image_rows(batch) {
+            self.faces.push(central(origin, rows));
+            return true;
+        }
         let is_narrow = sample(batch).all(|ray| unit(ray.direction).dot(mean) > WIDEST_COS);
         if is_narrow && mean != DVec3::ZERO {
             let along = row_axis(batch, |ray| unit(ray.direction));
@@ -92,18 +98,35 @@ fn across(normal: DVec3, along: Option<DVec3>) -> [Vec3; 3] {
 
 /// The way along the first row of an image.
 fn row_axis(batch: &RayBatch<'_>, place: impl Fn(&Ray) -> DVec3) -> Option<DVec3> {
-    let RayOrder::Image { width, height, tile } = batch.order() else { return None };
-    // The last ray of the first row of pixels, where tiles are squares.
-    let tile = tile.min(width).min(height);
-    let last = if tile == 0 {
-        width.checked_sub(1)?
-    } else {
-        (width - tile).checked_mul(tile)?.checked_add(tile - 1)?
-    };
-    let ends = [0, last].map(|idx| (idx < batch.len()).then(|| batch.ray(idx)));
-    let [Some(first), Some(last)] = ends else { return None };
+    let [first, last, ..] = image_corners(batch)?;
     let along = place(&last) - place(&first);
     (along.is_finite() && along != DVec3::ZERO).then_some(along)
+}
+
+/// The first and the last ray of the first row of an image, and those of the last row.
+fn image_corners(batch: &RayBatch<'_>) -> Option<[Ray; 4]> {
+    let image = Image::of(batch)?;
+    let (right, bottom) = (image.width - 1, image.height - 1);
+    let corner = |x, y| Some(batch.ray(image.ray_idx(x, y)? as usize));
+    let corners = [corner(0, 0)?, corner(right, 0)?, corner(0, bottom)?, corner(right, bottom)?];
+    corners.iter().all(|ray| ray.state() == RayState::Active).then_some(corners)
+}
+
+/// Axes of the face on which the rays of a camera's image make a lattice: that in which four
+/// points of the corners' rays make a parallelogram. `None` if it is too wide for one face.
+fn image_rows(batch: &RayBatch<'_>) -> Option<[Vec3; 3]> {
+    let [a, b, c, d] = image_corners(batch)?.map(|ray| unit(ray.direction));
+    // a / w_a + d / w_d = b / w_b + c / w_c, by Cramer's rule.
+    let volume = |a: DVec3, b: DVec3, c: DVec3| a.cross(b).dot(c);
+    let weights = [volume(b, c, d), volume(a, c, d), -volume(a, b, d)];
+    let sign = weights[0].signum();
+    let [origin, right, bottom] = [a * weights[0], b * weights[1], c * weights[2]];
+    let (along, down) = (sign * (right - origin), sign * (bottom - origin));
+    let normal = along.cross(down).normalize_or_zero();
+    let normal = if normal.dot(d) < 0.0 { -normal } else { normal };
+    let is_narrow = [a, b, c, d].iter().all(|corner| corner.dot(normal) > WIDEST_COS);
+    let rows = across(normal, Some(along));
+    (is_narrow && normal != DVec3::ZERO).then_some(rows)
 }
 
 /// Some active rays from all over the batch.
@@ -114,7 +137,7 @@ fn sample<'a>(batch: &'a RayBatch<'_>) -> impl Iterator<Item = Ray> + 'a {
 
 /// Some positions from all over `len`, spread by the golden ratio: evenly, yet in step with no
 /// rows and tiles.
-fn spread_positions(len: usize, count: usize) -> impl Iterator<Item = usize> {
+pub(super) fn spread_positions(len: usize, count: usize) -> impl Iterator<Item = usize> {
     const GOLDEN: u64 = 0x9e37_79b9;
     let count = count.min(len) as u64;
     (0..count).map(move |idx| ((((idx * GOLDEN) & 0xffff_ffff) * len as u64) >> 32) as usize)

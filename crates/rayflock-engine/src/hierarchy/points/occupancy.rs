@@ -22,7 +22,6 @@
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use rayflock_geom::simd::point_boxes::PointBox;
 use rayflock_geom::simd::{
     Bytes, Simd, SimdBase, SimdCvtFloat, SimdCvtTruncate, SimdMask, f32x16, mask32x16, u32x16,
 };
@@ -53,12 +52,12 @@ pub(super) struct Occupancy {
 }
 
 impl Occupancy {
-    /// Makes room for about `ray_count` points within the bound, none of which is noted yet.
-    pub(super) fn clear(&mut self, bound: &PointBox, ray_count: usize) {
+    /// Makes room for about `ray_count` points within the window (least and largest x, least and
+    /// largest y), none of which is noted yet.
+    pub(super) fn clear(&mut self, [x0, x1, y0, y1]: [f32; 4], ray_count: usize) {
         let bits = usize::BITS - ray_count.leading_zeros();
         self.finest = (bits.div_ceil(2) + 3).clamp(COARSEST, FINEST);
         let cells = (1 << self.finest) as f32;
-        let [x0, x1, y0, y1] = bound.bounds;
         self.low = [x0, y0];
         self.scale = [x1 - x0, y1 - y0].map(|size| {
             let scale = cells / size;
@@ -262,10 +261,9 @@ mod tests {
     #[test]
     fn a_box_with_a_point_in_it_is_kept() {
         let mut rng = Rng::new(41);
-        let bound = PointBox { bounds: [-1.0, 3.0, 0.5, 2.0], limit: 0.0, begin: 0.0 };
         for simd in SimdLevel::available() {
             let mut occupancy = Occupancy::default();
-            occupancy.clear(&bound, 64);
+            occupancy.clear([-1.0, 3.0, 0.5, 2.0], 64);
             let points: Vec<[f32; 2]> =
                 (0..64).map(|_| [rng.between(-1.5, 3.5), rng.between(0.0, 2.5)]).collect();
             let (mut empty_count, mut rejected_count) = (0, 0);

@@ -1,0 +1,200 @@
+//! Sixteen rays of a band: what every triangle asks of them, and what only some triangles do.
+
+use rayflock_geom::RayBatch;
+use rayflock_geom::simd::face::{Face, RayPoints};
+use rayflock_geom::simd::ray_triangle::{LaneHits, RayPacket};
+use rayflock_geom::simd::{
+    LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16,
+};
+
+use super::super::arrange::NO_RAY;
+use super::ray_columns::RayColumns;
+use crate::answers::Answers;
+use crate::packet::{Nearest, Question, TracePacket};
+
+/// What every triangle asks of sixteen rays.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(super) struct GroupPoints {
+    pub(super) x: Lanes,
+    pub(super) y: Lanes,
+    /// The least nearness at which a ray accepts a hit; infinite where it wants none any more.
+    pub(super) limit: Lanes,
+    /// The largest such nearness.
+    pub(super) begin: Lanes,
+}
+
+/// Sixteen rays and what they hit.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct Group {
+    pace: Lanes,
+    start: Lanes,
+    pub(super) rays: RayPacket,
+    pub(super) masks: [u32; LANES],
+    /// Rays that still want an answer.
+    pub(super) active: u64,
+    /// Whether `rays` and `masks` are those of the group.
+    pub(super) is_loaded: bool,
+    t: Lanes,
+    u: Lanes,
+    v: Lanes,
+    ranks: [u32; LANES],
+}
+
+impl GroupPoints {
+    pub(super) const EMPTY: Self =
+        Self { x: [0.0; LANES], y: [0.0; LANES], limit: [0.0; LANES], begin: [0.0; LANES] };
+
+    /// Takes sixteen rays.
+    #[inline(always)]
+    pub(super) fn load<S: Simd>(
+        &mut self,
+        simd: S,
+        face: &Face,
+        columns: &mut RayColumns,
+        active: mask32x16<S>,
+    ) -> RayPoints<S> {
+        columns.repeat_active(active.to_bitmask());
+        let (origin, direction) = (columns.origin(simd), columns.direction(simd));
+        let points = face.project_rays(simd, origin, direction);
+        let t_min = f32x16::from_slice(simd, &columns.t_min);
+        let t_max = f32x16::from_slice(simd, &columns.t_max);
+        let limit = face.limit(simd, &points, t_max);
+        let begin = face.begin(simd, &points, t_min);
+        points.x.store_slice(&mut self.x);
+        points.y.store_slice(&mut self.y);
+        let none = f32x16::splat(simd, f32::INFINITY);
+        active.select(limit, none).store_slice(&mut self.limit);
+        begin.store_slice(&mut self.begin);
+        points
+    }
+}
+
+impl Group {
+    pub(super) const EMPTY: Self = Self {
+        pace: [0.0; LANES],
+        start: [0.0; LANES],
+        rays: RayPacket::EMPTY,
+        masks: [0; LANES],
+        active: 0,
+        is_loaded: false,
+        t: [f32::INFINITY; LANES],
+        u: [0.0; LANES],
+        v: [0.0; LANES],
+        ranks: [u32::MAX; LANES],
+    };
+
+    /// Takes sixteen rays of which these are to be traced.
+    #[inline(always)]
+    pub(super) fn begin<S: Simd>(&mut self, points: &RayPoints<S>, active: u64) {
+        points.pace.store_slice(&mut self.pace);
+        points.start.store_slice(&mut self.start);
+        self.active = active;
+        self.is_loaded = false;
+        self.t = [f32::INFINITY; LANES];
+        self.ranks = [u32::MAX; LANES];
+    }
+
+    /// Makes the rays ready for the accepting test.
+    #[inline(always)]
+    pub(super) fn load<S: Simd>(&mut self, simd: S, columns: &RayColumns) {
+        let t_min = f32x16::from_slice(simd, &columns.t_min);
+        let t_max = f32x16::from_slice(simd, &columns.t_max);
+        self.rays.fill(simd, columns.origin(simd), columns.direction(simd), [t_min, t_max]);
+        self.masks = columns.masks;
+        self.is_loaded = true;
+    }
+
+    /// Keeps what was accepted of a primitive, where it is nearer; the points take over what the
+    /// rays accept from now on.
+    #[inline(always)]
+    pub(super) fn keep<S: Simd>(
+        &mut self,
+        simd: S,
+        (face, points): (&Face, &mut GroupPoints),
+        hits: &LaneHits<S>,
+        rank: u32,
+        question: Question,
+    ) {
+        let load = f32x16::from_slice;
+        let (t, best_t) = (hits.t, load(simd, &self.t));
+        let best_rank = u32x16::from_slice(simd, &self.ranks);
+        let rank = u32x16::splat(simd, rank);
+        let tie = t.simd_eq(best_t) & rank.simd_lt(best_rank);
+        let nearer = hits.accepted & (t.simd_lt(best_t) | tie);
+        nearer.select(t, best_t).store_slice(&mut self.t);
+        nearer.select(hits.u, load(simd, &self.u)).store_slice(&mut self.u);
+        nearer.select(hits.v, load(simd, &self.v)).store_slice(&mut self.v);
+        nearer.select(rank, best_rank).store_slice(&mut self.ranks);
+        let limit = match question {
+            Question::Closest => self.limit(simd, face, points, t),
+            Question::Occluded => {
+                self.active &= !hits.accepted.to_bitmask();
+                f32x16::splat(simd, f32::INFINITY)
+            }
+        };
+        nearer.select(limit, load(simd, &points.limit)).store_slice(&mut points.limit);
+    }
+
+    /// The least nearness at which the rays accept hits up to `t`.
+    #[inline(always)]
+    fn limit<S: Simd>(
+        &self,
+        simd: S,
+        face: &Face,
+        points: &GroupPoints,
+        t: f32x16<S>,
+    ) -> f32x16<S> {
+        let load = f32x16::from_slice;
+        let at = RayPoints {
+            x: load(simd, &points.x),
+            y: load(simd, &points.y),
+            pace: load(simd, &self.pace),
+            start: load(simd, &self.start),
+            on_face: mask32x16::splat(simd, true),
+        };
+        face.limit(simd, &at, t)
+    }
+
+    /// Puts the rays that want an answer into a packet.
+    pub(super) fn fill(
+        &self,
+        packet: &mut TracePacket,
+        rays: &RayBatch<'_>,
+        ray_idx: &[u32],
+        t_bounds: Option<&[f32]>,
+    ) {
+        packet.clear();
+        for (lane, &ray_idx) in ray_idx.iter().enumerate() {
+            if self.active & (1 << lane) != 0 {
+                let ray = rays.ray(ray_idx as usize);
+                let t_bound = t_bounds.map_or(f32::INFINITY, |bounds| bounds[ray_idx as usize]);
+                packet.set(lane, &ray, t_bound.min(self.t[lane]));
+            }
+        }
+    }
+
+    /// Keeps what a packet has found where it is nearer.
+    pub(super) fn offer(&mut self, packet: &TracePacket) {
+        for lane in 0..LANES {
+            let mut nearest = self.nearest(lane);
+            nearest.offer(packet.nearest(lane));
+            (self.t[lane], self.u[lane], self.v[lane]) = (nearest.t, nearest.u, nearest.v);
+            self.ranks[lane] = nearest.rank;
+        }
+    }
+
+    fn nearest(&self, lane: usize) -> Nearest {
+        Nearest { t: self.t[lane], u: self.u[lane], v: self.v[lane], rank: self.ranks[lane] }
+    }
+
+    #[inline(always)]
+    pub(super) fn answer(&self, ray_idx: &[u32], answers: &Answers) {
+        for (lane, &ray_idx) in ray_idx.iter().enumerate() {
+            if ray_idx != NO_RAY {
+                answers.set(ray_idx as usize, &self.nearest(lane));
+            }
+        }
+    }
+}
