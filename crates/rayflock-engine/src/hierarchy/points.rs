@@ -36,6 +36,7 @@
 mod faces;
 mod lattice;
 mod occupancy;
+mod place_rays;
 mod ray_columns;
 mod ray_group;
 mod ray_strips;
