@@ -14,17 +14,6 @@ from rayflock import _arguments as arguments
 
 Options = dict[str, Any]
 
-#: What each kind of sensor has a use for, beside what suits all.
-SUITABLE = {
-    "spinning": ("rows", "elevations", "columns"),
-    "solid-state": ("size", "fov"),
-    "rosette": ("beams", "fov", "turns"),
-    "depth": ("size", "fov", "shutter"),
-    "ortho": ("size", "extent", "shutter"),
-}
-#: What suits some sensors only.
-PARTICULAR = {name for names in SUITABLE.values() for name in names}
-
 
 def numbers(value: Any, name: str, count: int | None, separator: str) -> tuple[float, ...]:
     """So many finite numbers, or any number of them; files may have them as text."""
@@ -164,7 +153,6 @@ def resolve(sensor: Any, given: Options) -> Options:
         if options.keys() & {"poses", "camera"}:
             of_file.pop("poses", None)
         options = of_file | options
-    check_particular(preset, options)
     return {"preset": preset, "elevation_ends": None, **dict.fromkeys(CHECKS), **arranged(options)}
 
 
@@ -181,34 +169,11 @@ def checked(given: Options) -> Options:
     return found
 
 
-def check_particular(preset: str, options: Options) -> None:
-    """Refuses what the sensor has no use for; the compiled part knows which presets there are."""
-    kind = preset.partition(":")[0]
-    suitable = SUITABLE.get(kind)
-    if suitable is None:
-        return
-    for name in options:
-        if name in PARTICULAR and name not in suitable:
-            raise TypeError(
-                f"{name} says nothing about the sensor {preset}, which has {', '.join(suitable)}"
-            )
-    angle_count = 2 if kind == "solid-state" else 1
-    if len(options.get("fov", angle_count * (0,))) != angle_count:
-        expected = "two angles, across and up, as in (120, 25)" if angle_count == 2 else "one angle"
-        raise ValueError(f"the fov of {preset} must be {expected}; found {options['fov']}")
-    each = options.get("elevations")
-    rows = options.get("rows")
-    if isinstance(each, list) and rows not in (None, len(each)):
-        raise ValueError(f"rows is {rows}, but elevations are those of {len(each)} rows")
-
-
 def arranged(options: Options) -> Options:
     """The options as the compiled part has them."""
     found = {"poses": [], **options}
     if isinstance(found.get("elevations"), tuple):
         found["elevation_ends"] = found.pop("elevations")
-    if "fov" in found:
-        found["fov"] = (found["fov"][0], found["fov"][-1])
     return found
 
 

@@ -36,7 +36,7 @@ pub(crate) use light::{
 pub(crate) use motion::MotionArguments;
 pub(crate) use numbers::{Elevations, Field, Measures, Numbers};
 pub(crate) use sense::{SenseArguments, Shown};
-pub(crate) use sensor_options::{PoseOptions, SensorOptions, ShutterArgument};
+pub(crate) use sensor_options::{PoseOptions, SensorOptions};
 pub(crate) use sun::{Per, SidesArgument, SunArguments};
 pub(crate) use trace::TraceArguments;
 

@@ -1,7 +1,7 @@
 //! Which exception tells of what.
 
 use pyo3::PyErr;
-use pyo3::exceptions::{PyIndexError, PyKeyError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyIndexError, PyKeyError, PyRuntimeError, PyTypeError, PyValueError};
 use rayflock::engine::EngineError;
 use rayflock::geom::{GeometryError, RayBatchError};
 use rayflock::render::sensor::SensorError;
@@ -16,6 +16,8 @@ pub(crate) enum Failure {
     Engine(EngineError),
     /// No object has this id.
     UnknownId(u32),
+    /// An argument that has no place where it is given, in words.
+    Argument(String),
     /// Something else that the user can put right, in words.
     Value(String),
 }
@@ -55,6 +57,7 @@ impl From<SensorError> for Failure {
     fn from(error: SensorError) -> Self {
         match error {
             SensorError::Engine(error) => Self::Engine(error),
+            error @ SensorError::UnsuitableOption { .. } => Self::Argument(error.to_string()),
             error => Self::Value(error.to_string()),
         }
     }
@@ -74,6 +77,7 @@ impl From<Failure> for PyErr {
             Failure::UnknownId(id) => PyKeyError::new_err(format!(
                 "no object has the id {id}: it was never added, or has been removed"
             )),
+            Failure::Argument(message) => PyTypeError::new_err(message),
             Failure::Value(message) => PyValueError::new_err(message),
         }
     }

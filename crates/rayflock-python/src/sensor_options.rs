@@ -5,12 +5,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayflock::engine::{EngineKind, create};
 use rayflock::render::sensor::{
-    DropOut, Pose, PoseKey, PosePath, RangeNoise, Scanner, Sensor, SensorSettings,
+    DropOut, Pose, PoseKey, PosePath, RangeNoise, Scanner, Sensor, SensorSettings, Surroundings,
 };
 use rayflock::scene::{Projection, frame_bounds};
 
 use crate::errors::Failure;
-use crate::sensor_pattern::{PatternOptions, Surroundings};
+use crate::sensor_pattern::PatternOptions;
 use crate::world::World;
 
 /// What a sensor is: a dictionary with an item for each field of the three.
@@ -71,16 +71,18 @@ impl SensorOptions {
             PosePath::Camera(idx) => vertical_fov(world, idx),
             PosePath::Fixed(_) | PosePath::Keyed(_) => None,
         };
-        let wants_diagonal = self.pattern.wants_diagonal();
+        let (preset, changes) = (&self.pattern.preset, self.pattern.changes()?);
+        let wants_diagonal = changes.wants_diagonal(preset);
         let diagonal = if wants_diagonal { world.bounds()?.size().length() } else { 0.0 };
-        let pattern = self.pattern.pattern(&Surroundings { vertical_fov, diagonal })?;
+        let pattern = changes.pattern(preset, &Surroundings { vertical_fov, diagonal })?;
         Ok(Sensor { pattern, path, settings: self.echoes.settings()? })
     }
 
     /// The sensor as far as it does not depend on a world.
     fn anywhere(&self) -> Result<Sensor, Failure> {
         let path = self.place.path().unwrap_or(PosePath::Fixed(Pose::at(Vec3::ZERO)));
-        let pattern = self.pattern.pattern(&Surroundings::default())?;
+        let changes = self.pattern.changes()?;
+        let pattern = changes.pattern(&self.pattern.preset, &Surroundings::default())?;
         Ok(Sensor { pattern, path, settings: self.echoes.settings()? })
     }
 }

@@ -3,6 +3,7 @@
 //! | Part | Use it when |
 //! |---|---|
 //! | [`Pattern`] | you say where beams go and when: spinning, raster, rosette, depth camera, orthographic |
+//! | [`PatternOptions`] | you change a preset by what a user says |
 //! | [`PosePath`] | you say where the sensor is: at rest, along keys, or on a camera of the scene |
 //! | [`SensorSettings`] | you say what it sees: ranges, noise, drop-outs, returns |
 //! | [`Sensor`] | all three together, as data |
@@ -85,7 +86,8 @@ mod trace_beams;
 
 pub use error::SensorError;
 pub use pattern::{
-    DepthCamera, OrthographicScanner, Pattern, Raster, Rosette, Shutter, Spinning, evenly,
+    DepthCamera, Elevations, FieldOfView, OrthographicScanner, Pattern, PatternOptions, Raster,
+    Rosette, Shutter, Spinning, Surroundings, evenly,
 };
 pub use pose::{Pose, PoseKey, PosePath};
 pub use returns::Returns;

@@ -1,7 +1,7 @@
 //! What a sensor is, on the command line or in a TOML file by the same names.
 
-use clap::{Args, ValueEnum};
-use rayflock::render::sensor::Returns;
+use clap::Args;
+use rayflock::render::sensor::{Returns, Shutter};
 use serde::Deserialize;
 
 use super::numbers::{Elevations, Field, Measures, Numbers, perhaps_word, word};
@@ -73,9 +73,11 @@ pub(crate) struct SensorOptions {
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, help_heading = TIME)]
     pub(crate) rate: Option<f64>,
 
-    /// When the beams of depth and ortho are fired: all at once, or row by row.
+    /// When the beams of depth and ortho are fired: global, all at once, or rolling, row by row
+    /// [default: global].
     #[arg(long, value_name = "WHICH", help_heading = TIME)]
-    pub(crate) shutter: Option<ShutterArgument>,
+    #[serde(deserialize_with = "perhaps_word")]
+    pub(crate) shutter: Option<Shutter>,
 
     /// Times of a sweep at which the scene is looked at [default: one for each column of a spinning
     /// sensor, each row of others, every 64 beams of a rosette].
@@ -150,16 +152,6 @@ pub(crate) struct PoseOptions {
     /// Where it looks.
     #[serde(default, deserialize_with = "perhaps_word")]
     pub(crate) look_at: Option<Numbers<3>>,
-}
-
-/// When the pixels of a picture are measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum ShutterArgument {
-    /// All at once.
-    Global,
-    /// Row by row.
-    Rolling,
 }
 
 impl SensorOptions {

@@ -30,6 +30,22 @@ pub enum SensorError {
         /// What there is.
         expected: String,
     },
+    /// An option that a preset has no use for.
+    #[error("{option} says nothing about the sensor {sensor}, which has {suitable}")]
+    UnsuitableOption {
+        /// The option.
+        option: &'static str,
+        /// The preset.
+        sensor: String,
+        /// The options that it has a use for.
+        suitable: String,
+    },
+    /// No shutter has this name.
+    #[error("unknown shutter \"{found}\"; there are: global, rolling")]
+    UnknownShutter {
+        /// What was asked for.
+        found: String,
+    },
     /// No choice of returns has this name.
     #[error("unknown returns \"{found}\"; there are: {expected}")]
     UnknownReturns {

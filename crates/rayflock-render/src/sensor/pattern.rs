@@ -8,10 +8,13 @@
 //! | [`DepthCamera`] | through the pixels of a pinhole camera | rows, or all at once |
 //! | [`OrthographicScanner`] | parallel, through a grid | rows, or all at once |
 //!
+//! [`PatternOptions`] are what users say about presets.
+//!
 //! Azimuths are to the right of straight ahead, elevations up. Rows are counted from the top,
 //! columns from the left.
 
 mod depth_camera;
+mod options;
 mod orthographic;
 mod preset;
 mod raster;
@@ -19,6 +22,7 @@ mod rosette;
 mod spinning;
 
 pub use depth_camera::{DepthCamera, Shutter};
+pub use options::{Elevations, FieldOfView, PatternOptions, Surroundings};
 pub use orthographic::OrthographicScanner;
 pub use raster::Raster;
 pub use rosette::Rosette;

@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use glam::Vec3;
 use rayflock::render::sensor::{
-    DropOut, Pattern, Pose, PoseKey, PosePath, RangeNoise, Sensor, SensorSettings,
+    DropOut, Pattern, Pose, PoseKey, PosePath, RangeNoise, Sensor, SensorSettings, Surroundings,
 };
 use rayflock::scene::{Evaluator, Projection};
 
 use super::output::OutputFile;
-use super::pattern::{Surroundings, pattern};
+use super::pattern::pattern_options;
 use super::picture::PlannedPicture;
 use crate::args::{Numbers, PoseOptions, SenseArguments, SensorOptions};
 use crate::failure::{Blame, Failure};
@@ -108,14 +108,18 @@ fn sensor(
         PosePath::Camera(idx) => evaluator.scene().cameras.get(idx).map(|camera| camera.projection),
         PosePath::Fixed(_) | PosePath::Keyed(_) => None,
     };
+    let beams = pattern_options(options);
     let surroundings = Surroundings {
         vertical_fov: match camera {
             Some(Projection::Perspective { vertical_fov }) => Some(vertical_fov),
             Some(Projection::Orthographic { .. }) | None => None,
         },
-        diagonal: evaluator.bounds_over_clip()?.size().length(),
+        diagonal: match beams.wants_diagonal(preset) {
+            true => evaluator.bounds_over_clip()?.size().length(),
+            false => 0.0,
+        },
     };
-    let pattern = pattern(preset, options, &surroundings)?;
+    let pattern = beams.pattern(preset, &surroundings)?;
     Ok(Sensor { pattern, path, settings: settings(options) })
 }
 

@@ -1,5 +1,7 @@
 //! The pixels of a pinhole camera.
 
+use std::str::FromStr;
+
 use glam::{DVec3, Vec3};
 
 use super::check_field;
@@ -39,6 +41,18 @@ impl Shutter {
         match self {
             Self::Global => 0.0,
             Self::Rolling => rate.recip(),
+        }
+    }
+}
+
+impl FromStr for Shutter {
+    type Err = SensorError;
+
+    fn from_str(name: &str) -> Result<Self, SensorError> {
+        match name {
+            "global" => Ok(Self::Global),
+            "rolling" => Ok(Self::Rolling),
+            _ => Err(SensorError::UnknownShutter { found: name.to_owned() }),
         }
     }
 }
