@@ -32,6 +32,7 @@ pub(crate) mod indirect;
 mod pair_visibility;
 mod resample;
 mod settings;
+pub(crate) mod shadow_segments;
 mod shoot;
 mod sources;
 mod sphere_visibility;
