@@ -29,6 +29,7 @@ mod gather;
 mod gather_by_cuts;
 mod gather_past_spheres;
 pub(crate) mod indirect;
+mod light_blocks;
 mod pair_visibility;
 mod resample;
 mod settings;
