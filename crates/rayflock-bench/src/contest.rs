@@ -61,7 +61,7 @@ pub use effort::Effort;
 pub use piece::{Piece, PieceFrame, PiecePhase};
 pub use setup::Setup;
 pub use summarize::NOISY;
-pub(crate) use summarize::{mean_counters, named, spread};
+pub(crate) use summarize::{named, of_frame, of_phases};
 pub use watch::{Progress, Unwatched, Watch};
 
 /// The setting of Embree that others are compared with.

@@ -12,6 +12,7 @@
 //! | [`record`] | you keep or compare what was measured |
 //! | [`work`] | you need the map's triangles and rays |
 //! | [`allocations`] | you want to know how often an engine allocates |
+//! | [`difference`] | you want to know how far one picture is from another |
 //! | [`ratio`] | you want to know who is ahead, and by how much |
 //! | [`table`], [`report`] | you read what was measured |
 //! | [`compare`] | you want to know what has changed since an earlier record |
@@ -48,6 +49,7 @@
 pub mod allocations;
 pub mod compare;
 pub mod contest;
+pub mod difference;
 mod engine_spec;
 mod error;
 pub mod map;

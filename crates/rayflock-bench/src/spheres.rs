@@ -9,15 +9,12 @@
 //! taken off, as said in [`TraceStats`](rayflock::engine::TraceStats::conversion_ns).
 //!
 //! Pictures are compared with that of the first exact way: mean FLIP of the pictures as they are
-//! shown, and root mean squared error of the radiance relative to its root mean square.
-//!
-//! **Source.** P. Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", HPG 2020,
-//! by the authors' code.
+//! shown, and root mean squared error of the radiance relative to its root mean square
+//! ([`difference`](crate::difference)).
 //!
 //! In the record, `commit` is fitting and `trace` is gathering; errors are facts.
 
 mod contestant;
-mod difference;
 mod format;
 
 use rayflock::render::vpl::VplSettings;

@@ -1,11 +1,13 @@
 //! From what is asked about light to how a frame is rendered.
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use rayflock::engine::RayEngine;
 use rayflock::render::lightcuts::CutSettings;
 use rayflock::render::occluders::SphereSettings;
 use rayflock::render::vpl::{ChosenBy, ChosenRays, Visibility, VplSettings};
-use rayflock::render::{FrameRenderer, Indirect, PathTracer, Shown, WhittedRenderer};
+use rayflock::render::{
+    FrameRenderer, Indirect, PathTracer, RenderSettings, Shown, WhittedRenderer,
+};
 
 use crate::args::{
     ChoiceArgument, IndirectArgument, Integrator, LightArguments, VisibilityArgument,
@@ -98,6 +100,21 @@ pub(crate) fn plan_indirect(args: &LightArguments) -> Result<Indirect> {
     }
 }
 
+/// What pictures are compared with to tell their error, if that is asked for.
+pub(crate) fn plan_comparison(
+    args: &LightArguments,
+    settings: &RenderSettings,
+) -> Result<Option<RenderSettings>> {
+    if !args.check_error {
+        return Ok(None);
+    }
+    let exact = settings.indirect.exact().context(
+        "--check-error compares with a shadow ray to every virtual light: it needs --indirect \
+         lightcuts, or --indirect vpl with --visibility spheres, --visibility none or --vpl-rays",
+    )?;
+    Ok(Some(RenderSettings { indirect: exact, ..settings.clone() }))
+}
+
 /// All lights, or clusters of them.
 fn plan_cuts(args: &LightArguments, lights: VplSettings) -> Result<Indirect> {
     if args.indirect == IndirectArgument::Vpl {
@@ -121,6 +138,12 @@ fn check_view(args: &LightArguments) -> Result<()> {
         ensure!(
             args.integrator == Integrator::Whitted,
             "--view {view} needs --integrator whitted: path shows nothing but light"
+        );
+    }
+    if view == Shown::Spheres {
+        ensure!(
+            args.visibility == Some(VisibilityArgument::Spheres),
+            "--view {view} shows what stands for the geometry: it needs --visibility spheres"
         );
     }
     if matches!(view, Shown::Indirect | Shown::Vpls) {
@@ -200,6 +223,26 @@ mod tests {
     }
 
     #[test]
+    fn errors_are_told_of_what_is_approximate() {
+        let compared = |line: &str| {
+            let words = std::iter::once("rayflock").chain(line.split_whitespace());
+            let light = Line::try_parse_from(words).unwrap().light;
+            let indirect = plan_indirect(&light).unwrap();
+            plan_comparison(&light, &RenderSettings { indirect, ..RenderSettings::default() })
+        };
+        assert_eq!(compared("--indirect vpl --visibility spheres").unwrap(), None);
+        for light in ["vpl --visibility spheres", "vpl --vpl-rays 2", "lightcuts"] {
+            let settings = compared(&format!("--indirect {light} --vpls 7 --check-error")).unwrap();
+            let lights = VplSettings { light_count: 7, ..VplSettings::default() };
+            assert_eq!(settings.unwrap().indirect, Indirect::Vpl(lights));
+        }
+        for light in ["off", "vpl"] {
+            let error = compared(&format!("--indirect {light} --check-error")).unwrap_err();
+            assert!(error.to_string().contains("it needs --indirect lightcuts"), "{error}");
+        }
+    }
+
+    #[test]
     fn what_does_not_fit_together_is_told() {
         let error = planned("--vpls 7").unwrap_err().to_string();
         assert_eq!(error, "--vpls is about virtual lights: it needs --indirect vpl");
@@ -218,6 +261,8 @@ mod tests {
         assert!(error.starts_with("--vpl-rays needs --indirect vpl"), "{error}");
         let error = planned("--view vpls").unwrap_err().to_string();
         assert_eq!(error, "--view vpls is about virtual lights: it needs --indirect vpl");
+        let error = planned("--view spheres --indirect vpl").unwrap_err().to_string();
+        assert!(error.ends_with("it needs --visibility spheres"), "{error}");
         let error = planned("--view depth --integrator path").unwrap_err().to_string();
         assert!(error.contains("path shows nothing but light"), "{error}");
     }

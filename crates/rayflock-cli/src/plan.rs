@@ -17,7 +17,7 @@ use crate::failure::{Blame, Failure};
 use crate::frames::FrameRange;
 use crate::input::Input;
 use crate::journal::Settings;
-use crate::light_plan::{indirect_text, plan_indirect};
+use crate::light_plan::{indirect_text, plan_comparison, plan_indirect};
 use crate::output::{Look, Target, atomic};
 use crate::plot::PlotFile;
 use crate::size::Size;
@@ -41,6 +41,8 @@ pub(crate) struct RenderPlan {
     pub(crate) integrator: Integrator,
     /// How frames are rendered.
     pub(crate) settings: RenderSettings,
+    /// What they are compared with, if their error is asked for.
+    pub(crate) compared: Option<RenderSettings>,
     /// How light becomes colour.
     pub(crate) look: Look,
     /// What traces the rays.
@@ -107,6 +109,14 @@ impl RenderPlan {
         let indirect = plan_indirect(&args.light).blame_input()?;
         let integrator = args.light.integrator;
         let (depth, samples) = integrator.default_depth_and_samples();
+        let settings = RenderSettings {
+            samples_per_pixel: args.spp.unwrap_or(samples),
+            depth: args.depth.unwrap_or(depth),
+            indirect,
+            shown: args.light.view,
+            ..RenderSettings::default()
+        };
+        let compared = plan_comparison(&args.light, &settings).blame_input()?;
 
         let (input, evaluator, fps) =
             Input::open_moving(&args.input, &args.motion).blame_input()?;
@@ -121,13 +131,8 @@ impl RenderPlan {
             fps,
             size: args.size,
             integrator,
-            settings: RenderSettings {
-                samples_per_pixel: args.spp.unwrap_or(samples),
-                depth: args.depth.unwrap_or(depth),
-                indirect,
-                shown: args.light.view,
-                ..RenderSettings::default()
-            },
+            settings,
+            compared,
             look: Look { exposure: args.exposure, tone_map: args.tone_map },
             engine: args.engine.engine,
             target,

@@ -4,8 +4,9 @@ use std::time::Instant;
 
 use anyhow::Context;
 use rayflock::engine::{CommitStats, Fact, RayEngine};
-use rayflock::render::{Film, FrameRenderer, FrameStats};
+use rayflock::render::{Film, FrameRenderer, FrameStats, View};
 use rayflock::scene::Evaluator;
+use rayflock_bench::difference::{Difference, difference};
 use tracing::debug_span;
 
 use crate::allocations::COUNTER;
@@ -15,7 +16,7 @@ use crate::journal::Journal;
 use crate::output::{FrameNames, picture};
 use crate::plan::RenderPlan;
 use crate::progress::Progress;
-use crate::stats::{FrameRecord, RayRecord, StageRecords};
+use crate::stats::{ErrorRecord, FrameRecord, RayRecord, StageRecords};
 
 /// What lives from frame to frame.
 #[derive(Debug)]
@@ -71,6 +72,12 @@ impl Session {
                 noticed_before = true;
                 progress.say(format_args!("warning: frame {frame}: {notice}"));
             }
+            if let Some(ErrorRecord { mean_flip, relative_rmse }) = record.error {
+                progress.say(format_args!(
+                    "frame {frame}: mean FLIP {mean_flip:.4}, relative RMSE {relative_rmse:.4} \
+                     against exact visibility"
+                ));
+            }
             if self.plan.explain {
                 for choice in self.renderer.choices() {
                     progress.say(format_args!("frame {frame}: {choice}"));
@@ -112,7 +119,18 @@ impl Session {
             allocations: update_allocations.zip(render_allocations).map(|(a, b)| a + b),
             memory_bytes: self.renderer.memory_usage() as u64,
         };
-        Ok(record((frame, time), &times, &commit, &stats, &held))
+        let mut record = record((frame, time), &times, &commit, &stats, &held);
+        record.error = self.error(&view);
+        Ok(record)
+    }
+
+    /// How far the film is from one that is rendered with exact visibility, if that is asked for.
+    fn error(&mut self, view: &View) -> Option<ErrorRecord> {
+        let settings = self.plan.compared.as_ref()?;
+        let mut exact = Film::new(self.film.width(), self.film.height());
+        self.renderer.render(view, settings, &mut exact);
+        let Difference { mean_flip, relative_rmse } = difference(&self.film, &exact);
+        Some(ErrorRecord { mean_flip, relative_rmse })
     }
 }
 
@@ -163,6 +181,7 @@ fn record(
         total_ms: times.total_ms,
         vpls: stats.indirect.lights,
         clamped: stats.indirect.clamped_share(),
+        error: None,
         rays,
         stages: StageRecords::new(&stats.stages),
         cone_tests: stats.trace.cone_tests,

@@ -49,6 +49,9 @@ pub(crate) struct FrameRecord {
     /// The share of the light of virtual lights that the bound kept away.
     #[serde(default)]
     pub(crate) clamped: f64,
+    /// How far the picture is from one with exact visibility, if that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) error: Option<ErrorRecord>,
     /// Rays by kind.
     pub(crate) rays: RayRecord,
     /// What tracing took, by stage.
@@ -80,6 +83,15 @@ pub(crate) struct FrameRecord {
     pub(crate) ignored: u64,
     /// Bytes that the engine holds, without the meshes.
     pub(crate) memory_bytes: u64,
+}
+
+/// How far a picture is from one with exact visibility of the same virtual lights.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ErrorRecord {
+    /// Mean FLIP of the pictures as they are shown, from 0 to 1.
+    pub(crate) mean_flip: f64,
+    /// Root mean squared error of the radiance over its root mean square.
+    pub(crate) relative_rmse: f64,
 }
 
 /// What tracing the rays of one frame took, by stage.

@@ -8,7 +8,7 @@
 //!                                   SceneSpheres: all that can dim anything, as a SphereTree
 //!                                                   |  culled by the shaft to a group of lights
 //!   tile of points, lights ----------------------> see_tile: what comes through of each light
-//!                                                  gather_tile: what comes of all, added up
+//!   many points: share_lookouts: some that see alike are one of the tile
 //! ```
 //!
 //! A cluster's sphere lies around the middle of its pieces and reaches to the farthest corner.
@@ -37,18 +37,16 @@
 
 mod cluster;
 mod cut_pieces;
-mod gather_tile;
 mod hull_planes;
-mod matte_lights;
 mod measure;
 mod scene_spheres;
 mod see_tile;
+mod share_lookouts;
 mod sphere_set;
 mod sphere_tree;
 
 pub(crate) use cluster::nearby_order;
-pub use gather_tile::{IrradianceBlock, ShiningLight};
-pub use matte_lights::MatteLight;
 pub use scene_spheres::{FitStats, SceneSpheres, SphereSettings};
 pub use see_tile::{PointTile, SeenLight, TileSight};
+pub(crate) use share_lookouts::{LookoutTile, SharedLookouts};
 pub use sphere_tree::SphereTree;

@@ -3,7 +3,7 @@
 use rayflock_scene::Background;
 
 use crate::Shown;
-use crate::vpl::VplSettings;
+use crate::vpl::{Visibility, VplSettings};
 
 /// How a frame is rendered. Values out of range are taken as the nearest one in range.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +58,14 @@ impl Indirect {
                 error_bound: if error_bound.is_nan() { 0.0 } else { error_bound.clamp(0.0, 1.0) },
             },
         }
+    }
+
+    /// The same light with nothing approximate but the bound: that of every virtual light, with a
+    /// shadow ray from each point. `None` where it is that already, or off.
+    pub fn exact(&self) -> Option<Self> {
+        let lights = VplSettings { visibility: Visibility::Exact, chosen: None, ..*self.lights()? };
+        let exact = Self::Vpl(lights);
+        (*self != exact).then_some(exact)
     }
 
     /// The virtual lights, if there are any.

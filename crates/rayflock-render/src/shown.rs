@@ -22,12 +22,22 @@ pub enum Shown {
     Cost,
     /// Light, dimmed, and a dot in its colour for each virtual light that is seen.
     Vpls,
+    /// Light, dimmed, and before it the spheres that stand for geometry, where visibility is asked
+    /// of them: each in a colour of its own, as far as it takes light away.
+    Spheres,
 }
 
 impl Shown {
     /// All that can be shown.
-    pub const ALL: [Self; 6] =
-        [Self::Light, Self::Indirect, Self::Normals, Self::Depth, Self::Cost, Self::Vpls];
+    pub const ALL: [Self; 7] = [
+        Self::Light,
+        Self::Indirect,
+        Self::Normals,
+        Self::Depth,
+        Self::Cost,
+        Self::Vpls,
+        Self::Spheres,
+    ];
 
     /// Rays a sample that [`Shown::Cost`] shows white.
     pub const COST_OF_WHITE: u32 = 32;
@@ -41,6 +51,7 @@ impl Shown {
             Self::Depth => "depth",
             Self::Cost => "cost",
             Self::Vpls => "vpls",
+            Self::Spheres => "spheres",
         }
     }
 }

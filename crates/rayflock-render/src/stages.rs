@@ -17,6 +17,7 @@
 
 pub(crate) mod accumulate;
 pub(crate) mod camera_rays;
+pub(crate) mod draw_spheres;
 pub(crate) mod group_rays;
 pub(crate) mod light_dots;
 pub(crate) mod mirror_rays;

@@ -28,6 +28,7 @@ use crate::lights::key_light::key_light;
 use crate::shading::background::{self, DEFAULT_SKY};
 use crate::stages::accumulate::BandSums;
 use crate::stages::camera_rays::{TILE, camera_rays};
+use crate::stages::draw_spheres::draw_spheres;
 use crate::stages::group_rays::group_rays;
 use crate::stages::light_dots::light_dots;
 use crate::stages::shade_surface::{Surroundings, shade_surface};
@@ -138,8 +139,13 @@ impl FrameRenderer for WhittedRenderer {
             let pixels = &mut film.pixels_mut()[rows.start * size.0..rows.end * size.0];
             tracer.buffers.sums.write(picture.settings.samples_per_pixel, pixels);
         }
-        if picture.settings.shown == Shown::Vpls {
-            light_dots(&mut *self.engine, self.indirect.lights(), view, film);
+        match picture.settings.shown {
+            Shown::Vpls => light_dots(&mut *self.engine, self.indirect.lights(), view, film),
+            Shown::Spheres => {
+                let spheres = self.indirect.spheres(&picture.settings.indirect);
+                draw_spheres(spheres, view, film);
+            }
+            _ => {}
         }
         stats.dropped = self.buffers.sums.dropped() - dropped_before;
         stats.shade_seconds = (stopwatch.seconds() - stats.trace_seconds).max(0.0);
@@ -216,8 +222,8 @@ impl<'a> Picture<'a> {
 
     /// Leaves virtual lights, if light comes from them.
     fn shoot(&self, bounds: &Aabb, tracer: &mut Tracer<'_>) {
-        let shows_light =
-            matches!(self.settings.shown, Shown::Light | Shown::Indirect | Shown::Vpls);
+        let shown = self.settings.shown;
+        let shows_light = !matches!(shown, Shown::Normals | Shown::Depth | Shown::Cost);
         if let Some(settings) = self.settings.indirect.lights()
             && shows_light
         {

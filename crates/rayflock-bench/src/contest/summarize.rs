@@ -48,6 +48,45 @@ pub(super) fn summarize(piece: &Piece, contestant: &Contestant) -> Cell {
     }
 }
 
+/// A cell with what its phases, of which there is at least one, have in common: the most
+/// triangles, mean times and counts.
+pub(crate) fn of_phases(phases: Vec<Phase>) -> Cell {
+    let mean =
+        |value: fn(&Phase) -> f64| phases.iter().map(value).sum::<f64>() / phases.len() as f64;
+    let spread = phases.iter().map(spread).fold(0.0, f64::max);
+    Cell {
+        triangles: phases.iter().map(|phase| phase.triangles).max().unwrap_or(0),
+        rays: mean(|phase| phase.rays as f64).round() as u64,
+        threads: rayon::current_num_threads(),
+        commit_ms: Some(mean(|phase| phase.commit_ms)),
+        trace_ms: Some(mean(|phase| phase.trace_ms)),
+        total_ms: Some(mean(|phase| phase.total_ms)),
+        spread,
+        noisy: spread > NOISY,
+        mismatches: phases.iter().map(|phase| phase.mismatches).sum(),
+        counters: mean_counters(&phases),
+        phases,
+        ..Cell::default()
+    }
+}
+
+/// A frame of an animation as a phase: medians of what each of its rounds took, as milliseconds of
+/// commit and trace.
+pub(crate) fn of_frame(frame: u32, rounds: &[[f64; 2]]) -> Phase {
+    let quartiles = |value: fn(&[f64; 2]) -> f64| Quartiles::of(rounds.iter().map(value));
+    let total = quartiles(|[commit, trace]| commit + trace);
+    Phase {
+        name: format!("frame {frame}"),
+        frame: Some(frame),
+        rounds: rounds.len(),
+        commit_ms: quartiles(|round| round[0]).median,
+        trace_ms: quartiles(|round| round[1]).median,
+        total_ms: total.median,
+        total_quartiles_ms: [total.lower, total.upper],
+        ..Phase::default()
+    }
+}
+
 /// Facts by name.
 pub(crate) fn named(facts: &[Fact]) -> BTreeMap<String, f64> {
     facts.iter().map(|fact| (fact.name.to_owned(), fact.value)).collect()
@@ -95,7 +134,7 @@ fn ray_count(phase: &PiecePhase) -> u64 {
 }
 
 /// Distance of the outer quartiles of a total as a share of its median.
-pub(crate) fn spread(phase: &Phase) -> f64 {
+fn spread(phase: &Phase) -> f64 {
     let [lower, upper] = phase.total_quartiles_ms;
     Quartiles { lower, median: phase.total_ms, upper }.spread()
 }
@@ -111,7 +150,7 @@ fn add(a: Judged, b: Judged) -> Judged {
 }
 
 /// Means over phases.
-pub(crate) fn mean_counters(phases: &[Phase]) -> Counters {
+fn mean_counters(phases: &[Phase]) -> Counters {
     let mean = |count: fn(&Counters) -> u64| {
         let sum: u64 = phases.iter().map(|phase| count(&phase.counters)).sum();
         sum / phases.len().max(1) as u64

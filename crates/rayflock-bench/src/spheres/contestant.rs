@@ -8,13 +8,13 @@ use rayflock::render::{
 };
 use rayflock::scene::{Scene, SceneFrame};
 
-use super::difference::{Difference, difference};
 use super::{KIND, SpheresBench};
-use crate::contest::{NOISY, spread};
+use crate::contest::{of_frame, of_phases};
+use crate::difference::{Difference, difference};
 use crate::peer::PeerError;
 use crate::peer::embree::EmbreeLibrary;
 use crate::record::{Cell, Phase};
-use crate::{BenchError, EngineSpec, Quartiles};
+use crate::{BenchError, EngineSpec};
 
 /// Width and height of the pictures that bring a frame before to everything.
 const TINY: (usize, usize) = (8, 6);
@@ -161,11 +161,6 @@ impl Contestant {
                 self.samples.iter().skip(idx).step_by(frame_count).copied().collect();
             phase(frame, &samples)
         });
-        let phases: Vec<Phase> = phases.collect();
-        let mean = |value: fn(&Phase) -> f64| {
-            phases.iter().map(value).sum::<f64>() / phases.len().max(1) as f64
-        };
-        let spread = phases.iter().map(spread).fold(0.0, f64::max);
         let of_samples = |value: fn(&Sample) -> f64| {
             self.samples.iter().map(value).sum::<f64>() / self.samples.len().max(1) as f64
         };
@@ -176,41 +171,24 @@ impl Contestant {
             ("virtual lights", of_samples(|sample| sample.stats.indirect.lights as f64)),
         ];
         Cell {
-            triangles: phases.iter().map(|phase| phase.triangles).max().unwrap_or(0),
-            rays: mean(|phase| phase.rays as f64).round() as u64,
             kind: KIND.to_owned(),
             scene: bench.name.clone(),
             engine: self.name.clone(),
             setting: self.setting.clone(),
-            threads: rayon::current_num_threads(),
-            commit_ms: Some(mean(|phase| phase.commit_ms)),
-            trace_ms: Some(mean(|phase| phase.trace_ms)),
-            total_ms: Some(mean(|phase| phase.total_ms)),
-            spread,
-            noisy: spread > NOISY,
             memory_bytes: self.renderer.memory_usage(),
             facts: facts.map(|(name, value)| (name.to_owned(), value)).into(),
-            phases,
-            ..Cell::default()
+            ..of_phases(phases.collect())
         }
     }
 }
 
 /// One frame.
 fn phase(frame: u32, samples: &[Sample]) -> Phase {
-    let quartiles = |value: fn(&Sample) -> f64| Quartiles::of(samples.iter().map(value));
-    let total = quartiles(Sample::total_ms);
     let last = samples.last();
+    let times = |sample: &Sample| [sample.fit_ms, sample.gather_ms];
     Phase {
-        name: format!("frame {frame}"),
-        frame: Some(frame),
-        rounds: samples.len(),
         triangles: last.map_or(0, |sample| sample.triangles),
         rays: last.map_or(0, |sample| sample.stats.indirect.visibility.pairs),
-        commit_ms: quartiles(|sample| sample.fit_ms).median,
-        trace_ms: quartiles(|sample| sample.gather_ms).median,
-        total_ms: total.median,
-        total_quartiles_ms: [total.lower, total.upper],
-        ..Phase::default()
+        ..of_frame(frame, &samples.iter().map(times).collect::<Vec<_>>())
     }
 }

@@ -59,9 +59,15 @@ pub(crate) struct LightArguments {
 
     /// What pixels tell: light; normals or depth of what is seen first; cost, the rays traced for
     /// them, white for 32 a sample; indirect, light from virtual lights alone; vpls, where those
-    /// are.
+    /// are; spheres, what stands for the geometry with --visibility spheres.
     #[arg(long, value_name = "NAME", default_value = "light", value_parser = shown())]
     pub(crate) view: Shown,
+
+    /// Render each frame once more with a shadow ray to every virtual light, and tell how far the
+    /// picture is from that: by mean FLIP, which is 0 where the eye sees no difference, and by root
+    /// mean squared error of the radiance over its root mean square. Takes the time of both.
+    #[arg(long)]
+    pub(crate) check_error: bool,
 
     /// How bright a virtual light may show close by: less takes bright spots out of corners, and
     /// some light with them; --stats tells how much (clamped). inf takes nothing [default: 1].

@@ -3,6 +3,7 @@
 mod compare;
 mod engines;
 mod map;
+mod moving_input;
 mod museum;
 mod output;
 mod scaling;

@@ -4,13 +4,15 @@ use std::fmt::Debug;
 
 use glam::Vec3;
 use rayflock_engine::RayEngine;
+use rayflock_geom::RayOrder;
 use rayflock_geom::simd::LANES;
-use rayflock_geom::{RayBatch, RayOrder};
 use rayon::prelude::*;
 
 use crate::occluders::{PointTile, SeenLight, SphereTree, TileSight};
-use crate::stats::{StageStats, Stopwatch};
+use crate::stats::StageStats;
 use crate::vpl::VisibilityStats;
+use crate::vpl::shadow_segments::{ShadowSegments, Start};
+use crate::wave::Shared;
 
 /// Pairs that one task asks about past spheres.
 const PAIRS_PER_TASK: usize = 1024;
@@ -44,13 +46,11 @@ impl CutVisibility for Open {
     }
 }
 
-/// By rays through an engine.
+/// By rays through an engine. They start at points, whose rays follow each other.
 #[derive(Debug)]
 pub struct Exact<'a> {
     engine: &'a mut dyn RayEngine,
-    origins: Vec<Vec3>,
-    directions: Vec<Vec3>,
-    occluded: Vec<bool>,
+    segments: ShadowSegments,
     /// What tracing took so far.
     pub(crate) traced: StageStats,
 }
@@ -58,28 +58,21 @@ pub struct Exact<'a> {
 impl<'a> Exact<'a> {
     /// By rays through `engine`, which holds the frame.
     pub fn new(engine: &'a mut dyn RayEngine) -> Self {
-        let (origins, directions, occluded) = (Vec::new(), Vec::new(), Vec::new());
-        Self { engine, origins, directions, occluded, traced: StageStats::default() }
+        Self { engine, segments: ShadowSegments::default(), traced: StageStats::default() }
     }
 }
 
 impl CutVisibility for Exact<'_> {
     fn shares(&mut self, pairs: &[CutPair], shares: &mut [f32]) -> VisibilityStats {
-        self.origins.clear();
-        self.directions.clear();
-        self.origins.extend(pairs.iter().map(|pair| pair.point));
-        self.directions.extend(pairs.iter().map(|pair| pair.light.position - pair.point));
-        self.occluded.clear();
-        self.occluded.resize(pairs.len(), false);
-        let batch = RayBatch::new(&self.origins[..], &self.directions[..])
-            .and_then(|batch| batch.with_interval(0.0, 1.0));
-        let Ok(batch) = batch else { unreachable!("the columns have one length") };
-        let stopwatch = Stopwatch::start();
-        let batch = batch.with_order(RayOrder::Unordered);
-        let trace = self.engine.occluded(&batch, &mut self.occluded);
-        self.traced += StageStats { trace, seconds: stopwatch.seconds() };
-        let seen = self.occluded.iter().map(|&occluded| if occluded { 0.0 } else { 1.0 });
-        shares.iter_mut().zip(seen).for_each(|(share, seen)| *share = seen);
+        self.segments.clear();
+        for CutPair { point, light, .. } in pairs {
+            self.segments.push(*point, light.position - point);
+        }
+        let asked = (Start::Point, Shared::Nothing);
+        self.traced += self.segments.trace(self.engine, asked, RayOrder::Unordered);
+        for (share, &occluded) in shares.iter_mut().zip(self.segments.occluded()) {
+            *share = if occluded { 0.0 } else { 1.0 };
+        }
         let count = pairs.len() as u64;
         VisibilityStats { pairs: count, rays: count, tests: 0 }
     }

@@ -1,11 +1,15 @@
 //! Planes that a mesh lies on one side of: walls of rooms, grounds.
 //!
-//! Two points that a scene holds, or that light comes from, see each other past such a plane
-//! whatever lies in it, as long as everything else lies on the same side. So the pieces in it have
-//! spheres of their own, which take part only when something comes to lie behind the plane.
-//! That is most of the surface of a room, and the part that spheres are worst at.
+//! Two points that a scene holds see each other past such a plane whatever lies in it, as long as
+//! everything else lies on the same side. So the pieces in it have spheres of their own, which take
+//! part only when something comes to lie behind the plane. That is most of the surface of a room,
+//! and the part that spheres are worst at.
+//!
+//! Light from behind the plane, as from the sky below the ground, has to come through what lies in
+//! it: a parallelogram around that.
 
 use glam::{Affine3A, Vec3};
+use rayflock_geom::simd::segment_walls::Wall;
 use rayflock_geom::{Aabb, Mesh, Sphere};
 
 use super::cut_pieces::{Piece, PlacedPiece, whole_pieces};
@@ -28,6 +32,9 @@ pub(super) struct HullPlane {
     area: f32,
     /// How far from it what lies in it may be, in the space of the mesh.
     tolerance: f32,
+    /// A parallelogram around what lies in it: a corner and two edges from there.
+    corner: Vec3,
+    edges: [Vec3; 2],
 }
 
 impl HullPlane {
@@ -40,7 +47,49 @@ impl HullPlane {
         let inverse = transform.matrix3.inverse().transpose();
         let normal = (inverse * self.normal).try_normalize()?;
         let point = transform.transform_point3(self.offset * self.normal);
-        normal.is_finite().then(|| Self { normal, offset: normal.dot(point), ..*self })
+        let corner = transform.transform_point3(self.corner);
+        let edges = self.edges.map(|edge| transform.transform_vector3(edge));
+        let moved = || Self { normal, offset: normal.dot(point), corner, edges, ..*self };
+        normal.is_finite().then(moved)
+    }
+
+    /// What lies in the plane, as seen from behind, `tolerance` below it; `None` without area.
+    /// `self` is as it was found, or transformed with its area growing alike everywhere.
+    pub(super) fn wall(&self, density: f32, tolerance: f32) -> Option<Wall> {
+        Wall::new(self.corner - tolerance * self.normal, self.edges, density)
+    }
+
+    /// How much light the parallelogram takes away, in the space of the mesh: all where at least half
+    /// of it is filled, as what lies beside a round floor is without as well.
+    pub(super) fn density(&self) -> f32 {
+        let [first, second] = self.edges;
+        let all = first.cross(second).length();
+        (2.0 * self.area / all.max(f32::MIN_POSITIVE)).min(1.0)
+    }
+
+    /// Makes the parallelogram the smallest rectangle around `points` with a side along one of
+    /// `sides`.
+    fn surround(&mut self, points: &[Vec3], sides: [Vec3; 3]) {
+        let mut smallest = f32::INFINITY;
+        for side in sides {
+            let along = side.reject_from_normalized(self.normal).normalize_or_zero();
+            let axes = [along, self.normal.cross(along)];
+            let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+            for point in points {
+                for (axis_idx, axis) in axes.iter().enumerate() {
+                    let at = axis.dot(*point);
+                    low[axis_idx] = low[axis_idx].min(at);
+                    high[axis_idx] = high[axis_idx].max(at);
+                }
+            }
+            let lengths = [high[0] - low[0], high[1] - low[1]];
+            let area = lengths[0] * lengths[1];
+            if along != Vec3::ZERO && area < smallest {
+                smallest = area;
+                self.corner = self.offset * self.normal + low[0] * axes[0] + low[1] * axes[1];
+                self.edges = [lengths[0] * axes[0], lengths[1] * axes[1]];
+            }
+        }
     }
 
     /// Whether a box lies on the near side, but for `tolerance`.
@@ -89,6 +138,13 @@ pub(super) fn hull_planes(mesh: &Mesh) -> Vec<HullPlane> {
         }
     }
     planes.retain(|plane| plane.area >= LEAST_SHARE * total && plane.supports(mesh));
+    for plane in &mut planes {
+        let held: Vec<[Vec3; 3]> =
+            triangles.iter().map(|triangle| triangle.1).filter(|at| plane.holds(at)).collect();
+        if let Some([a, b, c]) = held.first() {
+            plane.surround(held.as_flattened(), [b - a, c - b, a - c]);
+        }
+    }
     planes
 }
 
@@ -105,7 +161,8 @@ fn plane_of([a, b, c]: &[Vec3; 3], extremes: &[Vec3], tolerance: f32) -> Option<
     let double = (b - a).cross(c - a);
     let normal = double.try_normalize()?;
     let (offset, area) = (normal.dot(*a), 0.5 * double.length());
-    let plane = HullPlane { normal, offset, area, tolerance };
+    let (corner, edges) = (*a, [Vec3::ZERO; 2]);
+    let plane = HullPlane { normal, offset, area, tolerance, corner, edges };
     let flipped = HullPlane { normal: -normal, offset: -offset, ..plane };
     let supports =
         |plane: &HullPlane| extremes.iter().all(|&point| plane.height(point) >= -tolerance);
@@ -147,6 +204,12 @@ mod tests {
         assert_eq!((planes[0].normal, planes[0].offset), (Vec3::Y, 0.0));
         let found = whole_pieces(&mesh).map(|piece| plane_of_piece(&mesh, &planes, &piece));
         assert_eq!(found.collect::<Vec<_>>(), [Some(0), Some(0), None]);
+        // The largest triangle has a diagonal, along which the floor does not lie.
+        let edges = planes[0].edges.map(Vec3::length);
+        assert!((edges[0] - 4.0).abs() < 1e-4 && (edges[1] - 4.0).abs() < 1e-4, "{edges:?}");
+        assert!((planes[0].density() - 1.0).abs() < 1e-4);
+        let wall = planes[0].wall(1.0, 0.01).unwrap();
+        assert!((wall.height(Vec3::ZERO) - 0.01).abs() < 1e-5, "{wall:?}");
     }
 
     #[test]

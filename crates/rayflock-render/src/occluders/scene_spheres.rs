@@ -18,12 +18,13 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 use rayflock_geom::simd::segment_spheres::SoftSphere;
+use rayflock_geom::simd::segment_walls::Wall;
 use rayflock_geom::{Aabb, Geometry, GeometryObject, Mesh, ObjectId};
 use rayon::prelude::*;
 use tracing::debug_span;
 
 use super::SphereTree;
-use super::hull_planes::TOLERANCE;
+use super::hull_planes::{HullPlane, TOLERANCE};
 use super::sphere_set::{Care, SphereSet, moved, stretch};
 use crate::stats::Stopwatch;
 
@@ -66,6 +67,9 @@ pub struct SceneSpheres {
     objects: Vec<ObjectSpheres>,
     /// Of the frame, in the order of the objects.
     spheres: Vec<SoftSphere>,
+    walls: Vec<Wall>,
+    /// Whether each plane of an object is a wall; working memory.
+    is_wall: Vec<bool>,
     tree: SphereTree,
 }
 
@@ -106,7 +110,7 @@ impl SceneSpheres {
         if has_changed {
             self.update_sets();
             self.gather();
-            self.tree.build(&self.spheres);
+            self.tree.build(&self.spheres, &self.walls);
         }
         let count =
             |is: fn(Change) -> bool| self.objects.iter().filter(|object| is(object.change)).count();
@@ -131,6 +135,8 @@ impl SceneSpheres {
         sets.sum::<usize>()
             + self.objects.capacity() * size_of::<ObjectSpheres>()
             + self.spheres.capacity() * size_of::<SoftSphere>()
+            + self.walls.capacity() * size_of::<Wall>()
+            + self.is_wall.capacity()
             + self.tree.memory_usage()
     }
 
@@ -158,40 +164,46 @@ impl SceneSpheres {
         });
     }
 
-    /// Brings to the world all spheres that can be in the way.
+    /// Brings to the world all spheres that can be in the way, and walls in place of those that can
+    /// only be in the way of light from without.
     fn gather(&mut self) {
         let bounds = |bounds: Aabb, object: &ObjectSpheres| bounds.union(&object.bounds);
         let tolerance = TOLERANCE * self.objects.iter().fold(Aabb::EMPTY, bounds).size().length();
-        let Self { objects, spheres, .. } = self;
+        let Self { objects, spheres, walls, is_wall, .. } = self;
         spheres.clear();
+        walls.clear();
         for (object_idx, object) in objects.iter().enumerate() {
-            // Spheres come plane by plane.
-            let mut last = (None, false);
-            for (plane_idx, sphere) in object.set.spheres() {
-                if plane_idx != last.0 {
-                    let is_hull = |plane_idx| is_hull(objects, object_idx, plane_idx, tolerance);
-                    last = (plane_idx, plane_idx.is_some_and(is_hull));
-                }
-                if !last.1 {
-                    spheres.push(object.in_world(&sphere));
-                }
-            }
+            is_wall.clear();
+            is_wall.extend(object.set.planes().iter().map(|plane| {
+                let wall = wall(objects, object_idx, plane, tolerance);
+                walls.extend(wall);
+                wall.is_some()
+            }));
+            let in_the_way = object
+                .set
+                .spheres()
+                .filter(|(plane_idx, _)| plane_idx.is_none_or(|plane_idx| !is_wall[plane_idx]));
+            spheres.extend(in_the_way.map(|(_, sphere)| object.in_world(&sphere)));
         }
     }
 }
 
-/// Whether nothing of the scene lies behind a plane of an object.
-fn is_hull(objects: &[ObjectSpheres], object_idx: usize, plane_idx: usize, tolerance: f32) -> bool {
-    let object = &objects[object_idx];
-    let plane = object.set.planes()[plane_idx];
-    let plane = match &object.world_from_object {
-        Some(transform) => plane.transformed(transform),
-        None => Some(plane),
+/// The wall that stands for what lies in a plane of an object, if nothing of the scene lies behind
+/// it.
+fn wall(
+    objects: &[ObjectSpheres],
+    object_idx: usize,
+    plane: &HullPlane,
+    tolerance: f32,
+) -> Option<Wall> {
+    let density = plane.density();
+    let plane = match &objects[object_idx].world_from_object {
+        Some(transform) => plane.transformed(transform)?,
+        None => *plane,
     };
-    plane.is_some_and(|plane| {
-        let mut others = objects.iter().enumerate().filter(|(idx, _)| *idx != object_idx);
-        others.all(|(_, other)| plane.has_before_it(&other.bounds, tolerance))
-    })
+    let mut others = objects.iter().enumerate().filter(|(idx, _)| *idx != object_idx);
+    let is_hull = others.all(|(_, other)| plane.has_before_it(&other.bounds, tolerance));
+    if is_hull { plane.wall(density, tolerance) } else { None }
 }
 
 impl ObjectSpheres {

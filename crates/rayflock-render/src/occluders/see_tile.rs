@@ -16,10 +16,11 @@
 use glam::Vec3;
 use rayflock_geom::simd::cone_sphere::SphereBlock;
 use rayflock_geom::simd::segment_spheres::{Blocker, PointBlock, let_through};
-use rayflock_geom::simd::{LANES, Lanes, Simd, SimdBase, SimdLevel, dispatch, f32x16};
+use rayflock_geom::simd::segment_walls::{Wall, past_wall};
+use rayflock_geom::simd::{LANES, Lanes, Simd, SimdBase, SimdLevel, SimdMask, dispatch, f32x16};
 use rayflock_geom::{Aabb, Sphere};
 
-use super::matte_lights::MatteLight;
+use super::share_lookouts::Apart;
 use super::sphere_tree::{Shaft, SphereTree};
 
 /// Points that are close, in blocks of sixteen, and what bounds them.
@@ -60,32 +61,37 @@ impl Bounded {
     }
 
     #[inline(always)]
-    fn push(&mut self, blocker: &Blocker, bound: &Sphere) {
+    fn push(&mut self, blocker: &Blocker, center: Vec3, radius: f32) {
         let lane = self.blockers.len() % LANES;
         if lane == 0 {
             self.blocks.push(SphereBlock::EMPTY);
         }
         self.blockers.push(*blocker);
         if let Some(block) = self.blocks.last_mut() {
-            block.set(lane, bound);
+            for (column, coordinate) in block.center.iter_mut().zip(center.to_array()) {
+                column[lane] = coordinate;
+            }
+            block.radius[lane] = radius;
         }
     }
 
-    /// Calls `found` with those that a segment of the shaft may touch, in order. Returns how many
-    /// lanes were tested.
+    /// Calls `found` with those that a segment of the shaft may touch, in order, their centres and
+    /// outer radii. Returns how many lanes were tested.
     #[inline(always)]
     fn in_shaft<S: Simd>(
         &self,
         simd: S,
         shaft: &Shaft,
-        mut found: impl FnMut(&Blocker, Sphere),
+        mut found: impl FnMut(&Blocker, Vec3, f32),
     ) -> u64 {
         for (block, blockers) in self.blocks.iter().zip(self.blockers.chunks(LANES)) {
             let mut lanes = shaft.touched(simd, block);
             while lanes != 0 {
                 let lane = lanes.trailing_zeros() as usize;
                 lanes &= lanes - 1;
-                found(&blockers[lane], block.get(lane));
+                let [x, y, z] = &block.center;
+                let center = Vec3::new(x[lane], y[lane], z[lane]);
+                found(&blockers[lane], center, block.radius[lane]);
             }
         }
         (self.blocks.len() * LANES) as u64
@@ -99,6 +105,8 @@ pub struct TileSight {
     near: Bounded,
     /// Those near the way from the tile to a light.
     seen: Bounded,
+    /// Walls on that way.
+    walls: Vec<Wall>,
     /// Those near the way from a block to a light.
     round: Vec<Blocker>,
     flat: Vec<Blocker>,
@@ -164,20 +172,23 @@ impl PointTile {
         self.blocks.iter().zip(&self.block_bounds)
     }
 
-    /// Whether a light sends nothing to any point, since it lies behind their planes or they behind
-    /// its own.
-    pub(super) fn faces_away(&self, light: &MatteLight) -> bool {
+    /// Whether a light sends nothing to any point, or to those that are `apart` from them, since it
+    /// lies behind their planes or they behind its own. `evenness` is added to the cosine at the
+    /// light.
+    pub(super) fn faces_away(&self, light: &SeenLight, evenness: f32, apart: Apart) -> bool {
         let offset = light.position - self.bound.center;
-        let is_behind =
-            light.evenness == 0.0 && -light.normal.dot(offset) < -(1.0 + 1e-5) * self.bound.radius;
-        is_behind || self.lies_above(light.position)
+        let radius = (1.0 + 1e-5) * (self.bound.radius + apart.position);
+        let is_behind = evenness == 0.0 && light.normal.dot(offset) > radius;
+        is_behind || self.lies_above(light.position, apart)
     }
 
-    /// Whether all points have a centre behind their planes, so that its sphere counts at none.
-    fn lies_above(&self, center: Vec3) -> bool {
-        let offset = center - self.bound.center;
-        let lift = self.spread * (offset.length() + self.bound.radius);
-        offset.dot(self.axis) + self.thickness + lift + 1e-5 * offset.length() < 0.0
+    /// Whether all points have another one behind their planes.
+    fn lies_above(&self, other: Vec3, apart: Apart) -> bool {
+        let offset = other - self.bound.center;
+        let (distance, radius) = (offset.length(), self.bound.radius + apart.position);
+        let lift = (self.spread + apart.normal) * (distance + radius);
+        let thickness = self.thickness + apart.position;
+        offset.dot(self.axis) + thickness + lift + 1e-5 * distance < 0.0
     }
 }
 
@@ -224,7 +235,7 @@ impl TileSight {
     ) {
         self.find_near(simd, tree, tile, lights.iter().map(|light| light.position));
         for (light_idx, light) in lights.iter().enumerate() {
-            self.look_at(simd, tile, light.position, light.normal);
+            self.look_at(simd, tree, tile, light);
             for (block_idx, (points, bound)) in tile.blocks().enumerate() {
                 let through = self.through(simd, points, bound, light.position);
                 let mut lanes = [0.0; LANES];
@@ -236,7 +247,7 @@ impl TileSight {
 
     /// Lists the spheres on the way from the tile to the lights.
     #[inline(always)]
-    pub(super) fn find_near<S: Simd>(
+    fn find_near<S: Simd>(
         &mut self,
         simd: S,
         tree: &SphereTree,
@@ -249,52 +260,65 @@ impl TileSight {
         let near = &mut self.near;
         near.clear();
         self.tests += tree.in_shaft(simd, &shaft, |sphere, blocker| {
-            if !tile.lies_above(sphere.center) {
-                near.push(blocker, &Sphere::new(sphere.center, sphere.outer));
+            // One whose centre lies behind the planes of all points counts at none.
+            if !tile.lies_above(sphere.center, Apart::default()) {
+                near.push(blocker, sphere.center, sphere.outer);
             }
         });
     }
 
-    /// Lists those on the way to one light with a surface `normal`, or zero for none.
+    /// Lists those on the way to one light, and walls.
     #[inline(always)]
-    pub(super) fn look_at<S: Simd>(
+    fn look_at<S: Simd>(
         &mut self,
         simd: S,
+        tree: &SphereTree,
         tile: &PointTile,
-        light: Vec3,
-        normal: Vec3,
+        light: &SeenLight,
     ) {
-        let shaft = Shaft::between(&tile.bound, &Sphere::new(light, 0.0));
-        let seen = &mut self.seen;
+        let SeenLight { position, normal } = *light;
+        let shaft = Shaft::between(&tile.bound, &Sphere::new(position, 0.0));
+        let Self { near, seen, walls, .. } = self;
         seen.clear();
-        self.tests += self.near.in_shaft(simd, &shaft, |blocker, bound| {
-            if let Some(blocker) = blocker.toward(light, normal) {
-                seen.push(&blocker, &bound);
+        self.tests += near.in_shaft(simd, &shaft, |blocker, center, radius| {
+            if let Some(blocker) = blocker.toward(position, normal) {
+                seen.push(&blocker, center, radius);
             }
         });
+        walls.clear();
+        let Sphere { center, radius } = tile.bound;
+        walls.extend(tree.walls().iter().filter(|wall| {
+            let lowest = wall.height(position).min(wall.height(center) - radius);
+            lowest < 0.0
+        }));
     }
 
     /// What comes through from the light that was looked at last to a block of the tile.
     #[inline(always)]
-    pub(super) fn through<S: Simd>(
+    fn through<S: Simd>(
         &mut self,
         simd: S,
         points: &PointBlock,
         bound: &Sphere,
         light: Vec3,
     ) -> f32x16<S> {
-        let Self { seen, round, flat, .. } = self;
-        if seen.blockers.is_empty() {
-            return f32x16::splat(simd, 1.0);
+        let Self { seen, walls, round, flat, .. } = self;
+        let mut past_walls = f32x16::splat(simd, 1.0);
+        for wall in &*walls {
+            past_walls *= past_wall(simd, points, light, wall);
+        }
+        let is_hidden = !past_walls.simd_gt(f32x16::splat(simd, 0.0)).any_true();
+        if seen.blockers.is_empty() || is_hidden {
+            return past_walls;
         }
         round.clear();
         flat.clear();
         let shaft = Shaft::between(bound, &Sphere::new(light, 0.0));
-        self.tests += seen.in_shaft(simd, &shaft, |blocker, _| {
+        self.tests += seen.in_shaft(simd, &shaft, |blocker, _, _| {
             let list = if blocker.is_flat() { &mut *flat } else { &mut *round };
             list.push(*blocker);
         });
         self.tests += (LANES * (round.len() + flat.len())) as u64;
-        let_through(simd, points, light, round, flat)
+        past_walls * let_through(simd, points, light, round, flat)
     }
 }

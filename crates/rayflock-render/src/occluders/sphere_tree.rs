@@ -12,6 +12,7 @@
 
 use rayflock_geom::simd::cone_sphere::{Reach, SphereBlock, touches};
 use rayflock_geom::simd::segment_spheres::{Blocker, SoftSphere};
+use rayflock_geom::simd::segment_walls::Wall;
 use rayflock_geom::simd::sphere_blocks::around_blocks;
 use rayflock_geom::simd::{LANES, Simd, SimdLevel, SimdMask, dispatch};
 use rayflock_geom::{Sphere, SphereCone};
@@ -20,6 +21,9 @@ use super::cluster::{WeightedPoint, sort_along_curve};
 
 /// Relative to distances: covers the rounding of squared distances in the kernel.
 const SLACK: f32 = 1e-4;
+
+/// Points share what they see within this share of the median radius.
+const LOOKOUT: f32 = 0.5;
 
 /// The spheres of a frame.
 #[derive(Debug, Default)]
@@ -31,8 +35,13 @@ pub struct SphereTree {
     blocks: Vec<SphereBlock>,
     /// Bounds of sixteen blocks each.
     parents: Vec<SphereBlock>,
+    /// What lies around all of the scene.
+    walls: Vec<Wall>,
+    /// Outer radius of the middle one, were they sorted by it.
+    median_radius: f32,
     /// Working memory.
     points: Vec<WeightedPoint>,
+    radii: Vec<f32>,
 }
 
 /// All segments between two balls.
@@ -67,8 +76,10 @@ impl Shaft {
 }
 
 impl SphereTree {
-    /// Makes this the tree of `spheres`, keeping its memory.
-    pub fn build(&mut self, spheres: &[SoftSphere]) {
+    /// Makes this the tree of `spheres`, keeping its memory; `walls` hide what is behind them.
+    pub fn build(&mut self, spheres: &[SoftSphere], walls: &[Wall]) {
+        self.walls.clear();
+        self.walls.extend_from_slice(walls);
         self.points.clear();
         self.points.extend((0..).zip(spheres).map(|(idx, sphere)| WeightedPoint {
             position: sphere.center,
@@ -81,6 +92,14 @@ impl SphereTree {
         self.spheres.extend(self.points.iter().map(|point| spheres[point.idx as usize]));
         self.blockers.clear();
         self.blockers.extend(self.spheres.iter().map(Blocker::new));
+
+        self.radii.clear();
+        self.radii.extend(self.spheres.iter().map(|sphere| sphere.outer));
+        let middle = self.radii.len() / 2;
+        self.median_radius = match self.radii.get(middle) {
+            Some(_) => *self.radii.select_nth_unstable_by(middle, f32::total_cmp).1,
+            None => f32::INFINITY,
+        };
 
         self.blocks.clear();
         self.blocks.extend(self.spheres.chunks(LANES).map(|spheres| {
@@ -100,9 +119,19 @@ impl SphereTree {
         });
     }
 
+    /// The walls.
+    pub fn walls(&self) -> &[Wall] {
+        &self.walls
+    }
+
     /// The spheres, in the order of the tree.
     pub fn spheres(&self) -> &[SoftSphere] {
         &self.spheres
+    }
+
+    /// How far points may lie from where they look from, for what they see to change little.
+    pub(crate) const fn reach_of_lookouts(&self) -> f32 {
+        LOOKOUT * self.median_radius
     }
 
     /// Calls `found` with each sphere that a segment of the shaft may touch, in order: its place
@@ -139,6 +168,8 @@ impl SphereTree {
             + self.blockers.capacity() * size_of::<Blocker>()
             + (self.blocks.capacity() + self.parents.capacity()) * size_of::<SphereBlock>()
             + self.points.capacity() * size_of::<WeightedPoint>()
+            + self.walls.capacity() * size_of::<Wall>()
+            + self.radii.capacity() * size_of::<f32>()
     }
 }
 
@@ -164,7 +195,7 @@ mod tests {
                 center, inner: 0.0, outer, opacity: 1.0, flatness: Vec3::ZERO,
             };
             let mut tree = SphereTree::default();
-            tree.build(&spheres.iter().map(soft).collect::<Vec<_>>());
+            tree.build(&spheres.iter().map(soft).collect::<Vec<_>>(), &[]);
             let [a, b] = balls.map(|(center, radius)| Sphere::new(center, radius));
             let shaft = Shaft::between(&a, &b);
             for level in SimdLevel::available() {

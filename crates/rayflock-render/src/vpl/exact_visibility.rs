@@ -2,17 +2,17 @@
 //!
 //! Rays are traced from the light, so that all rays of a light share their origin, or their
 //! direction where it is far away: both are what engines are best at. Lights with few rays are
-//! put together in one batch.
+//! put together in one batch. Rays of a light follow the points, which are neighbours in the
+//! picture as a rule.
 
-use glam::Vec3;
 use rayflock_engine::RayEngine;
-use rayflock_geom::{RayBatch, RayOrder};
+use rayflock_geom::RayOrder;
 
+use super::shadow_segments::{ShadowSegments, Start};
 use super::{PairTile, PairVisibility, VisibilityStats};
-use crate::stats::{StageStats, Stopwatch};
+use crate::stats::StageStats;
+use crate::wave::Shared;
 
-/// Rays end this far before the point, relative to the distance.
-const TO_POINT: f32 = 1.0 - 4e-6;
 /// A light with fewer rays than this shares a batch with others.
 const OWN_BATCH: usize = 512;
 /// A batch that lights share is traced when it has so many rays.
@@ -38,10 +38,8 @@ pub(crate) struct RayBuffers {
 /// Rays, and which pairs they stand for.
 #[derive(Debug, Default)]
 struct Rays {
-    origins: Vec<Vec3>,
-    directions: Vec<Vec3>,
+    segments: ShadowSegments,
     pair_idxs: Vec<usize>,
-    occluded: Vec<bool>,
 }
 
 impl<'a> ExactVisibility<'a> {
@@ -51,26 +49,24 @@ impl<'a> ExactVisibility<'a> {
     }
 
     /// Traces the rays of one light.
-    fn trace_light(&mut self, position: Vec3, is_distant: bool, shares: &mut [f32]) {
-        let rays = &mut self.buffers.own;
-        let batch = match is_distant {
-            true => RayBatch::new(&rays.origins, position),
-            false => RayBatch::new(position, &rays.directions)
-                .and_then(|batch| batch.with_interval(0.0, TO_POINT)),
+    fn trace_light(&mut self, tile: &PairTile<'_>, light_idx: usize, shares: &mut [f32]) {
+        let position = tile.lights.positions()[light_idx];
+        let asked = match tile.lights.is_distant(light_idx) {
+            true => (Start::PointOfDistant, Shared::Direction(position)),
+            false => (Start::Light, Shared::Origin(position)),
         };
-        self.traced += answer(self.engine, batch, &rays.pair_idxs, &mut rays.occluded, shares);
-        rays.clear();
+        self.traced += self.buffers.own.answer(self.engine, asked, shares);
     }
 
-    /// Traces the rays that lights share.
-    fn trace_shared(&mut self, is_distant: bool, shares: &mut [f32]) {
-        let buffers = &mut *self.buffers;
-        let rays = if is_distant { &mut buffers.shared_distant } else { &mut buffers.shared_near };
-        let t_max = if is_distant { f32::INFINITY } else { TO_POINT };
-        let batch = RayBatch::new(&rays.origins, &rays.directions)
-            .and_then(|batch| batch.with_interval(0.0, t_max));
-        self.traced += answer(self.engine, batch, &rays.pair_idxs, &mut rays.occluded, shares);
-        rays.clear();
+    /// Traces the rays that lights share, if there are at least so many.
+    fn trace_shared(&mut self, least: usize, shares: &mut [f32]) {
+        let RayBuffers { shared_near, shared_distant, .. } = self.buffers;
+        for (rays, start) in [(shared_near, Start::Light), (shared_distant, Start::PointOfDistant)]
+        {
+            if rays.segments.len() >= least {
+                self.traced += rays.answer(self.engine, (start, Shared::Nothing), shares);
+            }
+        }
     }
 
     /// Makes the rays of one light those of its own batch, or adds them to a shared one.
@@ -81,22 +77,18 @@ impl<'a> ExactVisibility<'a> {
         let first_pair = row * tile.points.len();
         let asked = shares[first_pair..][..tile.points.len()].iter().zip(tile.points);
         let asked = asked.enumerate().filter(|(_, (share, _))| **share > 0.0);
-        let own = &mut self.buffers.own;
+        let RayBuffers { own, shared_near, shared_distant } = &mut *self.buffers;
         for (point_idx, (_, point)) in asked {
-            let (origin, direction) =
+            let (origin, way) =
                 if is_distant { (*point, position) } else { (position, *point - position) };
-            own.origins.push(origin);
-            own.directions.push(direction);
+            own.segments.push(origin, way);
             own.pair_idxs.push(first_pair + point_idx);
         }
         let count = own.pair_idxs.len();
         if count < OWN_BATCH {
-            let shared = if is_distant {
-                &mut self.buffers.shared_distant
-            } else {
-                &mut self.buffers.shared_near
-            };
-            shared.append(&mut self.buffers.own);
+            let shared = if is_distant { shared_distant } else { shared_near };
+            shared.segments.append(&mut own.segments);
+            shared.pair_idxs.append(&mut own.pair_idxs);
         }
         count
     }
@@ -106,71 +98,42 @@ impl PairVisibility for ExactVisibility<'_> {
     fn multiply(&mut self, tile: &PairTile<'_>, shares: &mut [f32]) -> VisibilityStats {
         assert_eq!(shares.len(), tile.len(), "there must be a share for each pair");
         let mut stats = VisibilityStats::default();
-        for row in 0..tile.range.len() {
+        for (row, light_idx) in tile.range.clone().enumerate() {
             let count = self.collect(tile, row, shares);
             stats.pairs += count as u64;
-            let light_idx = tile.range.start + row;
-            let is_distant = tile.lights.is_distant(light_idx);
             if count >= OWN_BATCH {
-                self.trace_light(tile.lights.positions()[light_idx], is_distant, shares);
+                self.trace_light(tile, light_idx, shares);
             }
-            if self.buffers.shared_near.pair_idxs.len() >= SHARED_BATCH {
-                self.trace_shared(false, shares);
-            }
-            if self.buffers.shared_distant.pair_idxs.len() >= SHARED_BATCH {
-                self.trace_shared(true, shares);
-            }
+            self.trace_shared(SHARED_BATCH, shares);
         }
-        self.trace_shared(false, shares);
-        self.trace_shared(true, shares);
+        self.trace_shared(1, shares);
         stats.rays = stats.pairs;
         stats
     }
 }
 
-/// Has the engine answer a batch, and sets the shares of the pairs whose ray is blocked to 0.
-fn answer(
-    engine: &mut dyn RayEngine,
-    batch: Result<RayBatch<'_>, rayflock_geom::RayBatchError>,
-    pair_idxs: &[usize],
-    occluded: &mut Vec<bool>,
-    shares: &mut [f32],
-) -> StageStats {
-    let Ok(batch) = batch else { unreachable!("the columns of shadow rays have one length") };
-    if pair_idxs.is_empty() {
-        return StageStats::default();
-    }
-    occluded.clear();
-    occluded.resize(pair_idxs.len(), false);
-    let stopwatch = Stopwatch::start();
-    let trace = engine.occluded(&batch.with_order(RayOrder::Unordered), occluded);
-    let traced = StageStats { trace, seconds: stopwatch.seconds() };
-    for (pair_idx, occluded) in pair_idxs.iter().zip(occluded) {
-        if *occluded {
-            shares[*pair_idx] = 0.0;
-        }
-    }
-    traced
-}
-
 impl Rays {
-    fn clear(&mut self) {
-        self.origins.clear();
-        self.directions.clear();
+    /// Has the engine answer all rays, sets the shares of the pairs whose ray is blocked to 0, and
+    /// forgets the rays.
+    fn answer(
+        &mut self,
+        engine: &mut dyn RayEngine,
+        asked: (Start, Shared),
+        shares: &mut [f32],
+    ) -> StageStats {
+        let traced = self.segments.trace(engine, asked, RayOrder::Coherent);
+        for (pair_idx, occluded) in self.pair_idxs.iter().zip(self.segments.occluded()) {
+            if *occluded {
+                shares[*pair_idx] = 0.0;
+            }
+        }
+        self.segments.clear();
         self.pair_idxs.clear();
-    }
-
-    /// Takes over the rays of `other`.
-    fn append(&mut self, other: &mut Self) {
-        self.origins.append(&mut other.origins);
-        self.directions.append(&mut other.directions);
-        self.pair_idxs.append(&mut other.pair_idxs);
+        traced
     }
 
     fn memory_usage(&self) -> usize {
-        (self.origins.capacity() + self.directions.capacity()) * size_of::<Vec3>()
-            + self.pair_idxs.capacity() * size_of::<usize>()
-            + self.occluded.capacity()
+        self.segments.memory_usage() + self.pair_idxs.capacity() * size_of::<usize>()
     }
 }
 

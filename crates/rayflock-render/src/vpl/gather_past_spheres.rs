@@ -1,90 +1,69 @@
 //! Gathering with approximate visibility: tiles of points against spheres that stand for geometry.
 //!
-//! No pair is written down. Points of a run are taken a tile at a time, lights a group at a time;
-//! sixteen points at once, what a light sends and what spheres let through are multiplied and added
-//! up. Highlights of points and lights come on top where they are bright enough to be seen; lights
-//! under varnish are added pair by pair.
+//! ```text
+//!   run of points -- share_lookouts --> tiles of lookouts, each for 16, 4 or 1 of the points
+//!   tile, 16 lights -- see_tile ------> what each lookout sees of each light
+//!                   -- light_blocks --> sixteen points at once: what lights send times that
+//! ```
+//!
+//! No pair is written down but those of a tile's lookouts and a group of lights, which stay in the
+//! cache. Lights that face away from the whole tile are done with first.
 //!
 //! **Source**: see [`occluders`](crate::occluders).
 //!
 //! **Departures** from [`gather`](super::gather): lights are added in an order that keeps neighbours
-//! together, a highlight below [`FAINT`] of its strength is left out, and distant lights are only
-//! very far away.
+//! together, distant lights are only very far away, and see [`light_blocks`](super::light_blocks).
 //!
-//! **Invariants**: the picture does not depend on the number of threads.
-
-use std::f32::consts::FRAC_1_PI;
+//! **Invariants**: the picture does not depend on the number of threads. Who shares a lookout does
+//! depend on which points are shaded together, and so, a little, on the batch limit.
 
 use glam::Vec3;
-use rayflock_geom::simd::{LANES, Lanes};
+use rayflock_geom::simd::{LANES, Lanes, Simd, SimdLevel, dispatch};
 use rayon::prelude::*;
 use tracing::debug_span;
 
-use super::gather::{GatherStats, arriving};
+use super::gather::GatherStats;
+use super::light_blocks::{LitBlock, NearLight};
 use super::sphere_visibility::DISTANCE;
-use super::{Lobe, VirtualLight, VirtualLights, VisibilityStats};
+use super::{VirtualLights, VisibilityStats};
 use crate::occluders::{
-    IrradianceBlock, MatteLight, PointTile, SeenLight, ShiningLight, SphereTree, TileSight,
-    nearby_order,
+    LookoutTile, SeenLight, SharedLookouts, SphereTree, TileSight, nearby_order,
 };
 use crate::wave::{Contribution, LitPoint, ShadedRun};
-
-/// Points of a tile.
-const TILE_POINTS: usize = 256;
 
 /// Lights of a group.
 const GROUP_LIGHTS: usize = 16;
 
-/// A highlight below this share of its strength is not seen.
-const FAINT: f32 = 1.0 / 512.0;
-
 /// Lights in an order in which neighbours are close, or alike in direction.
 #[derive(Debug, Default)]
 pub(crate) struct GroupedLights {
-    /// What matte surfaces and points send.
-    matte: Vec<ShiningLight>,
-    /// The highlight of each, if it has one.
-    lobes: Vec<Option<Lobe>>,
-    /// Unit directions to distant lights, and irradiances.
-    distant: Vec<(Vec3, Vec3)>,
-    /// Places of the others.
-    others: Vec<usize>,
+    near: Vec<NearLight>,
+    /// Which lights are distant.
+    distant: Vec<usize>,
 }
 
 impl GroupedLights {
     /// Makes these the groups of `lights`.
     pub(crate) fn assign(&mut self, lights: &VirtualLights) {
-        self.matte.clear();
-        self.lobes.clear();
-        self.distant.clear();
-        self.others.clear();
         let near = 0..lights.distant().start;
-        for light_idx in nearby_order(&lights.positions()[near]) {
-            let lobe = lights.lobe(light_idx).copied();
-            if lobe.is_some_and(|lobe| lobe.varnish != 0.0) {
-                self.others.push(light_idx);
-                continue;
-            }
-            let VirtualLight { position, normal, evenness, intensity } = lights.get(light_idx);
-            let light = MatteLight { position, normal, evenness };
-            self.matte.push(ShiningLight { light, intensity });
-            self.lobes.push(lobe);
-        }
+        self.near.clear();
+        self.near.extend(
+            nearby_order(&lights.positions()[near])
+                .into_iter()
+                .map(|light_idx| NearLight::new(lights, light_idx, (Vec3::ZERO, 0.0))),
+        );
         let distant = lights.distant();
-        self.distant.extend(nearby_order(&lights.positions()[distant.clone()]).into_iter().map(
-            |idx| {
-                let light_idx = distant.start + idx;
-                (lights.positions()[light_idx], lights.intensities()[light_idx])
-            },
-        ));
+        self.distant.clear();
+        self.distant.extend(
+            nearby_order(&lights.positions()[distant.clone()])
+                .into_iter()
+                .map(|idx| distant.start + idx),
+        );
     }
 
     /// Bytes held.
     pub(crate) fn memory_usage(&self) -> usize {
-        self.matte.capacity() * size_of::<ShiningLight>()
-            + self.lobes.capacity() * size_of::<Option<Lobe>>()
-            + self.distant.capacity() * size_of::<(Vec3, Vec3)>()
-            + self.others.capacity() * size_of::<usize>()
+        self.near.capacity() * size_of::<NearLight>() + self.distant.capacity() * size_of::<usize>()
     }
 }
 
@@ -98,15 +77,10 @@ pub(crate) fn gather_past_spheres(
     runs: &mut [ShadedRun],
 ) -> GatherStats {
     let _span = debug_span!("gather_past_spheres").entered();
-    let all = AllLights { lights, grouped, tree, bound };
+    let all = AllLights { lights, grouped, tree, bound, distance: DISTANCE * lights.reach() };
     let stats = runs.par_iter_mut().map_init(Workspace::default, |workspace, run| {
         let ShadedRun { points, lit, .. } = run;
-        lit.clear();
-        let mut stats = GatherStats::default();
-        for points in points.chunks(TILE_POINTS) {
-            all.gather(points, workspace, lit, &mut stats);
-        }
-        stats
+        all.gather(points, workspace, lit)
     });
     // In order, so that sums are the same with any number of threads.
     let stats: Vec<GatherStats> = stats.collect();
@@ -124,6 +98,8 @@ struct AllLights<'a> {
     grouped: &'a GroupedLights,
     tree: &'a SphereTree,
     bound: f32,
+    /// Of distant lights.
+    distance: f32,
 }
 
 /// Working memory of a thread.
@@ -131,166 +107,159 @@ struct AllLights<'a> {
 struct Workspace {
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
-    tile: PointTile,
+    sharing: SharedLookouts,
+    of_tile: TileWorkspace,
+}
+
+/// The same for a tile.
+#[derive(Debug, Default)]
+struct TileWorkspace {
     sight: TileSight,
-    sums: Vec<IrradianceBlock>,
-    /// What highlights add, a point each.
-    highlights: Vec<Vec3>,
-    /// Distant lights as the tile sees them.
-    placed: Vec<ShiningLight>,
+    blocks: Vec<LitBlock>,
+    /// Lights of a group that do not face away.
+    lights: Vec<NearLight>,
+    seen: Vec<SeenLight>,
+    /// What lookouts see of them, sixteen lookouts after another for each light.
+    shares: Vec<Lanes>,
 }
 
 impl AllLights<'_> {
-    /// Gathers at the points of a tile, and appends what arrives to `lit`.
+    /// Gathers at points; what arrives is left in `lit`, one entry a point.
     fn gather(
         &self,
         points: &[LitPoint],
         workspace: &mut Workspace,
         lit: &mut Vec<Contribution>,
-        stats: &mut GatherStats,
-    ) {
-        workspace.begin(points);
-        let tests_before = workspace.sight.tests();
-        let matte = self.grouped.matte.chunks(GROUP_LIGHTS);
-        for (group, lobes) in matte.zip(self.grouped.lobes.chunks(GROUP_LIGHTS)) {
-            self.gather_group(points, (group, lobes), self.bound, workspace);
-        }
-        for distant in self.grouped.distant.chunks(GROUP_LIGHTS) {
-            let mut placed = std::mem::take(&mut workspace.placed);
-            let (center, distance) = (workspace.tile.center(), DISTANCE * self.lights.reach());
-            placed.clear();
-            placed.extend(distant.iter().map(|&(to_light, irradiance)| ShiningLight {
-                light: MatteLight {
-                    position: center + distance * to_light,
-                    normal: Vec3::ZERO,
-                    evenness: 1.0,
-                },
-                intensity: irradiance * (distance * distance),
-            }));
-            self.gather_group(points, (&placed, &[]), f32::INFINITY, workspace);
-            workspace.placed = placed;
-        }
-        let mut lost = self.gather_others(points, workspace);
-
-        let Workspace { sums, highlights, sight, .. } = workspace;
-        for (idx, (point, highlight)) in points.iter().zip(&*highlights).enumerate() {
-            let of = |columns: &[Lanes; 3]| Vec3::from(columns.map(|column| column[idx % LANES]));
-            let sent_back = point.diffuse * FRAC_1_PI;
-            let block = &sums[idx / LANES];
-            let radiance = sent_back * of(&block.kept) + *highlight;
-            lost += f64::from((sent_back * of(&block.lost)).element_sum());
-            let sum = f64::from(radiance.element_sum());
-            stats.gathered += if sum.is_finite() { sum } else { 0.0 };
-            lit.push(Contribution { pixel_idx: point.pixel_idx, radiance });
-        }
-        stats.lost += lost;
-        stats.visibility += VisibilityStats {
+    ) -> GatherStats {
+        let Workspace { positions, normals, sharing, of_tile } = workspace;
+        positions.clear();
+        normals.clear();
+        positions.extend(points.iter().map(|point| point.shadow_position));
+        normals.extend(points.iter().map(|point| point.normal));
+        lit.clear();
+        lit.extend(
+            points
+                .iter()
+                .map(|point| Contribution { pixel_idx: point.pixel_idx, radiance: Vec3::ZERO }),
+        );
+        let tests_before = of_tile.sight.tests();
+        let mut stats = GatherStats::default();
+        sharing.for_each_tile(positions, normals, self.tree.reach_of_lookouts(), |tile| {
+            self.gather_tile(tile, points, of_tile);
+            of_tile.collect(tile, points, lit, &mut stats);
+        });
+        stats.visibility = VisibilityStats {
             pairs: (points.len() * self.lights.len()) as u64,
             rays: 0,
-            tests: sight.tests() - tests_before,
+            tests: of_tile.sight.tests() - tests_before,
         };
+        stats
     }
 
-    /// Gathers from lights that are close to each other; `lobes` are their highlights, or none.
-    fn gather_group(
-        &self,
-        points: &[LitPoint],
-        (group, lobes): (&[ShiningLight], &[Option<Lobe>]),
-        bound: f32,
-        workspace: &mut Workspace,
-    ) {
-        let Workspace { tile, sight, sums, highlights, .. } = workspace;
-        let has_highlights = points.iter().any(|point| point.specular != Vec3::ZERO)
-            || lobes.iter().any(Option::is_some);
-        if !has_highlights {
-            return sight.gather(self.tree, tile, group, bound, sums, |_, _, _| {});
+    /// Adds the light of all lights to the blocks of a tile.
+    fn gather_tile(&self, tile: &LookoutTile, points: &[LitPoint], workspace: &mut TileWorkspace) {
+        workspace.blocks.clear();
+        workspace.blocks.extend(tile.blocks.iter().map(|block| {
+            let known = block.iter().filter_map(|&idx| points.get(idx as usize));
+            LitBlock::new(known)
+        }));
+        for group in self.grouped.near.chunks(GROUP_LIGHTS) {
+            workspace.gather_group(self.tree, tile, group.iter().copied(), self.bound);
         }
-        sight.gather(self.tree, tile, group, bound, sums, |light_idx, block_idx, through| {
-            let (light, lobe) = (&group[light_idx], lobes.get(light_idx).copied().flatten());
-            let first = LANES * block_idx;
-            let lanes = points[first..].iter().zip(&mut highlights[first..]).zip(through);
-            for ((point, sum), through) in lanes {
-                if *through > 0.0 && (lobe.is_some() || point.specular != Vec3::ZERO) {
-                    *sum += *through * shine(point, light, lobe.as_ref(), bound);
-                }
-            }
+        let center = tile.lookouts.center();
+        for group in self.grouped.distant.chunks(GROUP_LIGHTS) {
+            let place = (center, self.distance);
+            let placed = group.iter().map(|&idx| NearLight::new(self.lights, idx, place));
+            workspace.gather_group(self.tree, tile, placed, f32::INFINITY);
+        }
+    }
+}
+
+impl TileWorkspace {
+    /// Adds the light of lights that are close to each other.
+    fn gather_group(
+        &mut self,
+        tree: &SphereTree,
+        tile: &LookoutTile,
+        lights: impl Iterator<Item = NearLight>,
+        bound: f32,
+    ) {
+        let Self { sight, blocks, lights: group, seen, shares } = self;
+        group.clear();
+        group.extend(lights.filter(|light| {
+            let NearLight { position, normal, evenness, .. } = *light;
+            !tile.faces_away(&SeenLight { position, normal }, evenness)
+        }));
+        seen.clear();
+        seen.extend(
+            group.iter().map(|&NearLight { position, normal, .. }| SeenLight { position, normal }),
+        );
+        let cell_count = tile.lookouts.len().div_ceil(LANES);
+        shares.clear();
+        shares.resize(group.len() * cell_count, [0.0; LANES]);
+        sight.see(tree, &tile.lookouts, seen, |light_idx, cell_idx, through| {
+            shares[light_idx * cell_count + cell_idx] = *through;
+        });
+        drop_hidden(group, shares, cell_count);
+        dispatch!(SimdLevel::best().level(), simd => {
+            add_group(simd, (tile.per_lookout, cell_count), group, shares, bound, blocks);
         });
     }
 
-    /// Gathers from lights under varnish; returns what the bound kept away.
-    fn gather_others(&self, points: &[LitPoint], workspace: &mut Workspace) -> f64 {
-        let Workspace { tile, sight, highlights, .. } = workspace;
-        let mut lost = 0.0;
-        for &light_idx in &self.grouped.others {
-            let VirtualLight { position, normal, .. } = self.lights.get(light_idx);
-            let light = SeenLight { position, normal };
-            sight.see(self.tree, tile, &[light], |_, block_idx, through| {
-                let first = LANES * block_idx;
-                let lanes = points[first..].iter().zip(&mut highlights[first..]).zip(through);
-                for ((point, sum), through) in lanes.filter(|(_, through)| **through > 0.0) {
-                    let (radiance, beyond) = arriving(self.lights, light_idx, point, self.bound);
-                    if radiance.is_finite() {
-                        *sum += *through * radiance;
-                        lost += f64::from(*through * beyond);
-                    }
+    /// Hands out what came to the points of a tile.
+    fn collect(
+        &self,
+        tile: &LookoutTile,
+        points: &[LitPoint],
+        lit: &mut [Contribution],
+        stats: &mut GatherStats,
+    ) {
+        for (block, members) in self.blocks.iter().zip(&tile.blocks) {
+            let mut lane = 0;
+            for &point_idx in members {
+                let Some(point) = points.get(point_idx as usize) else { continue };
+                let (radiance, lost) = block.radiance(lane, point);
+                lane += 1;
+                let sum = radiance.element_sum();
+                if sum.is_finite() {
+                    stats.gathered += f64::from(sum);
+                    stats.lost += f64::from(lost);
                 }
-            });
+                lit[point_idx as usize].radiance = radiance;
+            }
         }
-        lost
     }
 }
 
-impl Workspace {
-    /// Makes the tile that of `points`, with nothing gathered yet.
-    fn begin(&mut self, points: &[LitPoint]) {
-        self.positions.clear();
-        self.normals.clear();
-        self.positions.extend(points.iter().map(|point| point.shadow_position));
-        self.normals.extend(points.iter().map(|point| point.normal));
-        self.tile.assign(&self.positions, &self.normals);
-        self.sums.clear();
-        self.sums.resize(points.len().div_ceil(LANES), IrradianceBlock::default());
-        self.highlights.clear();
-        self.highlights.resize(points.len(), Vec3::ZERO);
-    }
-}
-
-/// What highlights of a point and of a light add to what both send evenly.
-fn shine(point: &LitPoint, shining: &ShiningLight, lobe: Option<&Lobe>, bound: f32) -> Vec3 {
-    let ShiningLight { light, intensity } = shining;
-    let offset = light.position - point.shadow_position;
-    let to_light = offset.normalize_or_zero();
-    let cos_point = point.normal.dot(to_light);
-    let cos_light = light.evenness - light.normal.dot(to_light);
-    if cos_point <= 0.0 || cos_light <= 0.0 {
-        return Vec3::ZERO;
-    }
-    let of_point = match point.specular == Vec3::ZERO {
-        true => 0.0,
-        false => highlight(point.normal, point.to_viewer, to_light, point.shininess),
-    };
-    let of_light = match lobe {
-        None => Vec3::ZERO,
-        Some(lobe) => {
-            lobe.highlight * highlight(light.normal, lobe.to_source, -to_light, lobe.shininess)
+/// Leaves out lights of which nothing is seen, and their shares, which are `cell_count` a light.
+fn drop_hidden(group: &mut Vec<NearLight>, shares: &mut Vec<Lanes>, cell_count: usize) {
+    let mut kept = 0;
+    for light_idx in 0..group.len() {
+        let of_light = light_idx * cell_count..(light_idx + 1) * cell_count;
+        if shares[of_light.clone()].as_flattened().iter().any(|share| *share > 0.0) {
+            group[kept] = group[light_idx];
+            shares.copy_within(of_light, kept * cell_count);
+            kept += 1;
         }
-    };
-    if of_point == 0.0 && of_light == Vec3::ZERO {
-        return Vec3::ZERO;
     }
-    // (diffuse cos + specular) (intensity + highlight) without diffuse cos intensity.
-    let squared = offset.length_squared();
-    let specular = point.specular * of_point;
-    let sent_back = specular * (*intensity + of_light) + point.diffuse * cos_point * of_light;
-    let geometry = cos_point * cos_light / squared;
-    let kept = if geometry > bound { bound / geometry } else { 1.0 };
-    sent_back * (cos_light * kept * FRAC_1_PI / squared)
+    group.truncate(kept);
+    shares.truncate(kept * cell_count);
 }
 
-/// The strength of a highlight between two directions; 0 where it is faint.
-fn highlight(normal: Vec3, to_one: Vec3, to_other: Vec3, shininess: f32) -> f32 {
-    let cos = normal.dot((to_one + to_other).normalize_or_zero());
-    // At least minus the logarithm of the cosine's power.
-    let is_faint = shininess * (1.0 - cos) > -FAINT.ln();
-    if is_faint { 0.0 } else { cos.max(0.0).powf(shininess.max(0.0)) }
+/// Adds the light of a group to all blocks of a tile.
+#[inline(always)]
+fn add_group<S: Simd>(
+    simd: S,
+    (per_lookout, cell_count): (usize, usize),
+    group: &[NearLight],
+    shares: &[Lanes],
+    bound: f32,
+    blocks: &mut [LitBlock],
+) {
+    for (cell_idx, blocks) in blocks.chunks_mut(per_lookout).enumerate() {
+        for block in blocks {
+            let of_cell = shares.iter().skip(cell_idx).step_by(cell_count.max(1));
+            block.add(simd, group, of_cell, bound);
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Indirect light for a renderer: lights are shot once a picture and gathered wave by wave.
 
 use rayflock_engine::RayEngine;
+use rayflock_geom::simd::segment_spheres::SoftSphere;
 use rayflock_geom::{Aabb, Geometry};
 use rayflock_scene::{Background, LightKind};
 
@@ -67,6 +68,14 @@ impl IndirectLight {
     /// The lights.
     pub(crate) const fn lights(&self) -> &VirtualLights {
         &self.lights
+    }
+
+    /// The spheres that the last picture with such light was made with.
+    pub(crate) fn spheres(&self, indirect: &Indirect) -> &[SoftSphere] {
+        let Some(VplSettings { visibility: Visibility::Spheres(_), .. }) = indirect.lights() else {
+            return &[];
+        };
+        self.spheres.as_ref().map_or(&[], |spheres| spheres.scene.tree().spheres())
     }
 
     /// Shoots virtual lights, unless those of the last picture are still right.

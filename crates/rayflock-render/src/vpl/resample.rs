@@ -18,20 +18,24 @@
 //!
 //! **Departures**: every light is a candidate, so that choosing is exact; the numbers that choose
 //! are evenly spaced from one random start, so that a bright light is chosen about as often as it
-//! should be.
+//! should be. Lights are weighed at sixteen points at once, by
+//! [`light_blocks`](super::light_blocks).
 //!
-//! **Cost**: three passes over all pairs of points and lights, and `count` rays a point; eight bytes
+//! **Cost**: some passes over all pairs of points and lights, and `count` rays a point; eight bytes
 //! for each pair of 128 points and all lights, at least.
 
+use glam::Vec3;
+use rayflock_geom::simd::{LANES, Lanes, SimdLevel, dispatch};
 use rayon::prelude::*;
 use tracing::debug_span;
 
 use super::gather::{
-    GatherBuffers, GatherStats, LOT, Lot, TILE_PAIRS, add, arrived, arriving, collect_points, face,
-    lots_of,
+    GatherBuffers, GatherStats, LOT, Lot, TILE_PAIRS, add, arrived, collect_points, face, lots_of,
 };
+use super::light_blocks::{BlockMaterials, LitBlock, NearLight};
+use super::sphere_visibility::DISTANCE;
 use super::{ChosenBy, ChosenRays, PairTile, PairVisibility, VirtualLights};
-use crate::wave::ShadedRun;
+use crate::wave::{LitPoint, ShadedRun};
 
 /// A light that is guessed to be hidden is chosen as if this share of it were seen, so that no
 /// guess can keep light away. The variance is least with the root of how likely the guess is
@@ -99,27 +103,22 @@ fn choose(
 ) {
     shares.clear();
     shares.resize(tile.len(), 0.0);
-    let point_count = tile.points.len();
     let first_point = lots.first().map_or(0, |lot| lot.first_point);
-    let of_lots = lots.par_iter().map(|lot| {
+    let of_lots = lots.par_iter().map_init(Weights::default, |weights, lot| {
         let mut pairs = Vec::new();
-        let mut sums = Vec::with_capacity(tile.range.len());
-        for (point_idx, point) in lot.points.iter().enumerate() {
-            let column = lot.first_point - first_point + point_idx;
-            let weight = |light_idx: usize| {
-                let guess = guides[light_idx * point_count + column];
-                let unshadowed = || arriving(tile.lights, light_idx, point, bound).0.element_sum();
-                match chosen.by {
-                    ChosenBy::Uniform => 1.0,
-                    ChosenBy::Weight => unshadowed() * guess.max(LEAST_GUESS),
-                    ChosenBy::Difference => unshadowed(),
-                }
-            };
-            accumulate(tile.range.clone().map(weight), &mut sums);
-            let [random, ..] = point.seed.unit_4_cube(sample_idx, CHOICE_SET);
-            systematic(&sums, chosen.count, random, |light_idx, share| {
-                pairs.push((light_idx * point_count + column, share));
-            });
+        if chosen.by != ChosenBy::Uniform {
+            weights.place_lights(tile.lights, lot);
+        }
+        for (points, block_idx) in lot.points.chunks(LANES).zip(0..) {
+            let first_column = lot.first_point - first_point + LANES * block_idx;
+            weights.weigh(tile, bound, chosen.by, points, &guides[first_column..]);
+            weights.sum_up();
+            for (lane, point) in points.iter().enumerate() {
+                let [random, ..] = point.seed.unit_4_cube(sample_idx, CHOICE_SET);
+                weights.systematic(lane, chosen.count, random, |light_idx, share| {
+                    pairs.push((light_idx * tile.points.len() + first_column + lane, share));
+                });
+            }
         }
         pairs
     });
@@ -131,27 +130,85 @@ fn choose(
 /// Which numbers of a path choose among lights.
 const CHOICE_SET: u32 = 63;
 
-/// Makes `sums` the sums of the weights up to and including each; what is not finite counts as 0.
-fn accumulate(weights: impl Iterator<Item = f32>, sums: &mut Vec<f64>) {
-    sums.clear();
-    let mut sum = 0.0;
-    sums.extend(weights.map(|weight| {
-        sum += if weight.is_finite() { f64::from(weight.max(0.0)) } else { 0.0 };
-        sum
-    }));
+/// How much each light weighs at each of sixteen points; working memory of a thread.
+#[derive(Debug, Default)]
+struct Weights {
+    lights: Vec<NearLight>,
+    /// A row a light.
+    rows: Vec<Lanes>,
+    /// Sums of the rows up to and including each.
+    sums: Vec<Lanes>,
 }
 
-/// Chooses `count` times, evenly spaced from `random` in `0..1`, and tells what each choice stands
-/// for.
-fn systematic(sums: &[f64], count: u32, random: f32, mut tell: impl FnMut(usize, f32)) {
-    let Some(total) = sums.last().copied().filter(|total| *total > 0.0) else { return };
-    let last = sums.partition_point(|sum| *sum < total);
-    for place in 0..count {
-        let wanted = (f64::from(place) + f64::from(random)) / f64::from(count) * total;
-        let idx = sums.partition_point(|sum| *sum <= wanted).min(last);
-        let before = idx.checked_sub(1).map_or(0.0, |before| sums[before]);
-        let chance = (sums[idx] - before) / total;
-        tell(idx, (1.0 / (chance * f64::from(count))) as f32);
+impl Weights {
+    /// Brings distant lights to where they are seen from a lot.
+    fn place_lights(&mut self, lights: &VirtualLights, lot: &Lot<'_>) {
+        let center = lot.points.first().map_or(Vec3::ZERO, |point| point.shadow_position);
+        let place = (center, DISTANCE * lights.reach());
+        self.lights.clear();
+        self.lights.extend((0..lights.len()).map(|idx| NearLight::new(lights, idx, place)));
+    }
+
+    /// Weighs all lights at up to sixteen points; `guides` are those of the first light, from the
+    /// first of the points on, and those of the others behind them.
+    fn weigh(
+        &mut self,
+        tile: &PairTile<'_>,
+        bound: f32,
+        by: ChosenBy,
+        points: &[LitPoint],
+        guides: &[f32],
+    ) {
+        self.rows.clear();
+        self.rows.resize(tile.range.len(), [1.0; LANES]);
+        if by == ChosenBy::Uniform {
+            return;
+        }
+        let (block, materials) = (LitBlock::new(points.iter()), BlockMaterials::new(points.iter()));
+        let near_count = tile.lights.distant().start;
+        let (near, distant) = self.lights.split_at(near_count);
+        let (near_rows, distant_rows) = self.rows.split_at_mut(near_count);
+        dispatch!(SimdLevel::best().level(), simd => {
+            block.weigh(simd, &materials, near, bound, near_rows);
+            block.weigh(simd, &materials, distant, f32::INFINITY, distant_rows);
+        });
+        if by == ChosenBy::Weight {
+            for (row, guides) in self.rows.iter_mut().zip(guides.chunks(tile.points.len())) {
+                for (weight, guide) in row.iter_mut().zip(&guides[..points.len()]) {
+                    *weight *= guide.max(LEAST_GUESS);
+                }
+            }
+        }
+    }
+
+    /// Sums weights up; what is not finite counts as 0.
+    fn sum_up(&mut self) {
+        let mut sum = [0.0; LANES];
+        self.sums.clear();
+        self.sums.extend(self.rows.iter_mut().map(|row| {
+            for (sum, weight) in sum.iter_mut().zip(row) {
+                *weight = if weight.is_finite() { weight.max(0.0) } else { 0.0 };
+                *sum += *weight;
+            }
+            sum
+        }));
+    }
+
+    /// Chooses `count` times for the point of a lane, evenly spaced from `random` in `0..1`, and
+    /// tells what each choice stands for.
+    fn systematic(&self, lane: usize, count: u32, random: f32, mut tell: impl FnMut(usize, f32)) {
+        let total = self.sums.last().map_or(0.0, |sums| sums[lane]);
+        if total <= 0.0 || !total.is_finite() {
+            return;
+        }
+        for place in 0..count {
+            let wanted = (place as f32 + random) / count as f32 * total;
+            // Rounding must choose neither none nor one without weight.
+            let found = self.sums.partition_point(|sums| sums[lane] <= wanted);
+            let last = self.sums.partition_point(|sums| sums[lane] < total);
+            let idx = found.min(last);
+            tell(idx, total / (self.rows[idx][lane] * count as f32));
+        }
     }
 }
 

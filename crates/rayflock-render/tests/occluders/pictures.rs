@@ -15,9 +15,9 @@ fn lights(visibility: Visibility) -> VplSettings {
     VplSettings { light_count: 256, visibility, ..VplSettings::default() }
 }
 
-/// Two frames of `cornell`, of which the second counts.
-fn picture(indirect: Indirect) -> (Film, FrameStats) {
-    let scene = Arc::new(builtin::build("cornell").unwrap());
+/// Two frames of a built-in scene, of which the second counts.
+fn picture(scene: &str, indirect: Indirect) -> (Film, FrameStats) {
+    let scene = Arc::new(builtin::build(scene).unwrap());
     let mut evaluator = Evaluator::new(Arc::clone(&scene), None).unwrap();
     let mut renderer = WhittedRenderer::new(create(EngineKind::Auto));
     let settings = RenderSettings { indirect, ..RenderSettings::default() };
@@ -42,9 +42,9 @@ fn error(found: &Film, expected: &Film) -> f32 {
 #[test]
 fn spheres_and_cuts_come_near_to_all_lights_seen_exactly() {
     let spheres = Visibility::Spheres(SphereSettings { count: 64 });
-    let (exact, exact_stats) = picture(Indirect::Vpl(lights(Visibility::Exact)));
-    let (open, _) = picture(Indirect::Vpl(lights(Visibility::None)));
-    let (nearly, stats) = picture(Indirect::Vpl(lights(spheres)));
+    let (exact, exact_stats) = picture("cornell", Indirect::Vpl(lights(Visibility::Exact)));
+    let (open, _) = picture("cornell", Indirect::Vpl(lights(Visibility::None)));
+    let (nearly, stats) = picture("cornell", Indirect::Vpl(lights(spheres)));
     let (without, with) = (error(&open, &exact), error(&nearly, &exact));
     assert!(with < 0.03 && with < 0.5 * without, "{with} of {without}");
     assert!(stats.indirect.spheres > 20 && stats.indirect.spheres <= 70);
@@ -55,7 +55,7 @@ fn spheres_and_cuts_come_near_to_all_lights_seen_exactly() {
 
     for (visibility, expected) in [(Visibility::Exact, &exact), (spheres, &nearly)] {
         let lights = lights(visibility);
-        let (cut, stats) = picture(Indirect::Lightcuts { lights, error_bound: 0.02 });
+        let (cut, stats) = picture("cornell", Indirect::Lightcuts { lights, error_bound: 0.02 });
         let error = error(&cut, expected);
         assert!(error < 0.02, "{error}");
         let cuts = stats.indirect.cuts;
@@ -64,4 +64,14 @@ fn spheres_and_cuts_come_near_to_all_lights_seen_exactly() {
         let is_exact = visibility == Visibility::Exact;
         assert_eq!((cuts.visibility.rays > 0, cuts.visibility.tests > 0), (is_exact, !is_exact));
     }
+}
+
+#[test]
+fn the_sky_does_not_shine_through_the_ground() {
+    // The ground is a plane of the hull, for which there are no spheres.
+    let (exact, _) = picture("crowd", Indirect::Vpl(lights(Visibility::Exact)));
+    let spheres = Visibility::Spheres(SphereSettings { count: 256 });
+    let (nearly, _) = picture("crowd", Indirect::Vpl(lights(spheres)));
+    let error = error(&nearly, &exact);
+    assert!(error < 0.1, "{error}");
 }

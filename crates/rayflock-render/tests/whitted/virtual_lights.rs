@@ -6,6 +6,7 @@ use crate::common::{
 };
 use glam::Vec3;
 use rayflock_engine::{EngineKind, create};
+use rayflock_render::occluders::SphereSettings;
 use rayflock_render::vpl::{Visibility, VplSettings};
 use rayflock_render::{Film, FrameStats, Indirect, PathTracer, RenderSettings, View};
 use rayflock_scene::{Background, Fresnel, LightKind, Material, MaterialIdx, Scene, SurfaceMesh};
@@ -206,9 +207,17 @@ fn scenes_with_nothing_to_gather_are_rendered_all_the_same() {
         ("lamp inside glass", encased, 64, true),
         ("thousands of lamps", lit(swarm.collect()), 64, true),
     ];
-    for (name, scene, count, lights) in cases {
-        let (_, stats) = gathered(&scene, &in_room(), &vpl(count));
-        assert_eq!(stats.indirect.gathered > 0.0, lights, "{name}: {:?}", stats.indirect);
+    for (name, scene, light_count, lights) in cases {
+        for visibility in [Visibility::Exact, Visibility::Spheres(SphereSettings { count: 8 })] {
+            let all = VplSettings { light_count, visibility, ..VplSettings::default() };
+            for indirect in
+                [Indirect::Vpl(all), Indirect::Lightcuts { lights: all, error_bound: 0.02 }]
+            {
+                let settings = RenderSettings { indirect, ..vpl(0) };
+                let stats = gathered(&scene, &in_room(), &settings).1.indirect;
+                assert_eq!(stats.gathered > 0.0, lights, "{name}, {visibility:?}: {stats:?}");
+            }
+        }
     }
 }
 

@@ -1,4 +1,7 @@
 //! How much two pictures differ, to the eye and in radiance.
+//!
+//! **Source.** P. Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", HPG 2020,
+//! by the authors' code.
 
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, flip};
 use rayflock::render::Film;
@@ -6,15 +9,16 @@ use rayflock::render::tonemap::{ToneMap, to_srgb8};
 
 /// How one picture differs from another.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Difference {
+pub struct Difference {
     /// Mean of FLIP over the pixels of the pictures as they are shown, from 0 to 1.
-    pub(super) mean_flip: f64,
+    pub mean_flip: f64,
     /// Root mean squared error of the radiance over its root mean square.
-    pub(super) relative_rmse: f64,
+    pub relative_rmse: f64,
 }
 
-/// How `film` differs from a `reference` of the same size.
-pub(super) fn difference(film: &Film, reference: &Film) -> Difference {
+/// How `film` differs from a `reference` of the same size, shown as the program shows pictures
+/// without further options.
+pub fn difference(film: &Film, reference: &Film) -> Difference {
     if film.pixels().is_empty() {
         return Difference::default();
     }
