@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayflock import _native
 from rayflock._picture import Picture
+
+
+#: What files of points hold, and its type.
+COLUMNS = (
+    *((name, np.float32) for name in ("position", "position_in_sensor", "normal")),
+    *((name, np.float32) for name in ("range", "intensity", "world_from_sensor")),
+    *((name, np.float64) for name in ("time", "step_time")),
+    *((name, np.uint32) for name in ("object_id", "prim_id", "beam", "row", "column")),
+    *((name, np.uint8) for name in ("return_number", "return_count")),
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,6 +91,12 @@ class Sweep:
         Args:
             values: one for each point, (N, ...), such as ``sweep.normal``.
             nothing: what is put where no point is.
+
+        Returns:
+            an array of the dtype of ``values``; row 0 is the top row.
+
+        Raises:
+            ValueError: the beams make no picture, or there are not N values.
         """
         if self.shape is None:
             raise ValueError("the beams of a rosette make no picture: use position and column")
@@ -98,33 +114,55 @@ class Sweep:
 
         Args:
             show: "range", "depth" or "intensity".
+
+        Raises:
+            ValueError: the beams make no picture, or ``show`` is none of these.
         """
         if show not in ("range", "depth", "intensity"):
             raise ValueError(f"show must be range, depth or intensity, found {show!r}")
         values = self.image(getattr(self, show), np.nan)
-        seen = values[np.isfinite(values)]
-        least, most = (seen.min(), seen.max()) if seen.size else (0.0, 0.0)
-        if most > least:
-            shares = (values - least) / (most - least)
-        else:
-            shares = np.where(np.isnan(values), values, np.float32(0.5))
-        colors = _native.false_colors(np.ascontiguousarray(shares, np.float32).reshape(-1))
-        return colors.reshape(*values.shape, 3).view(Picture)
+        return _false_colors(values).view(Picture)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the arrays by their names as NPZ, with the three pictures if beams make any: the
-        file that ``rayflock sense`` writes, which also writes PLY, PCD and CSV."""
-        if not os.fspath(path).endswith(".npz"):
-            raise ValueError(f"the name of the file must end in .npz, found {os.fspath(path)}")
-        arrays = {field.name: getattr(self, field.name) for field in fields(self)}
-        del arrays["shape"]
-        if self.shape is not None:
-            names = ("range_image", "depth_image", "intensity_image")
-            arrays |= {name: getattr(self, name) for name in names}
-        np.savez_compressed(path, **arrays)
+        """Writes a file of points, as ``rayflock sense`` does, by the extension of its name:
+
+        - ``.ply``: points in world space with all that is known of them, coloured by range;
+        - ``.pcd``: the same but colours and the frame of the sensor, for the Point Cloud Library;
+        - ``.npz``: all arrays by their names, with the three pictures if beams make any;
+        - ``.csv``: a line a point.
+
+        Args:
+            path: where to; a file that is there is replaced.
+
+        Raises:
+            ValueError: the name has another extension, or arrays have different lengths.
+            OSError: the file cannot be written; of a missing folder FileNotFoundError.
+        """
+        columns = {name: np.require(getattr(self, name), dtype, "C") for name, dtype in COLUMNS}
+        columns["world_from_sensor"] = columns["world_from_sensor"].reshape(-1, 16)
+        columns["color"] = _false_colors(columns["range"])
+        images = None
+        if self.shape is not None and os.fspath(path).lower().endswith(".npz"):
+            names = ("range", "depth", "intensity")
+            pixels = {name: getattr(self, f"{name}_image").reshape(-1) for name in names}
+            images = {"shape": self.shape, **pixels}
+        _native.save_points(os.fspath(path), columns, images)
 
     def __repr__(self) -> str:
         return f"<rayflock.Sweep: {len(self):,} points>"
 
     def _repr_png_(self) -> bytes | None:
         return None if self.shape is None else self.picture()._repr_png_()
+
+
+def _false_colors(values: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Viridis from the least to the most, and light grey for NaN: uint8 (..., 3)."""
+    values = values.astype(np.float64)  # as the program does: colours are the same to the bit
+    seen = values[np.isfinite(values)]
+    least, most = (seen.min(), seen.max()) if seen.size else (0.0, 0.0)
+    if most > least:
+        shares = (values - least) / (most - least)
+    else:
+        shares = np.where(np.isnan(values), values, 0.5)
+    colors = _native.false_colors(np.ascontiguousarray(shares, np.float32).reshape(-1))
+    return colors.reshape(*values.shape, 3)

@@ -1,5 +1,8 @@
 """Geometry and rays that tests share; all of them are seeded."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 import rayflock
@@ -18,6 +21,15 @@ def one_triangle():
     """A scene with one triangle, and its id."""
     scene = rayflock.Scene()
     return scene, scene.add(VERTICES, TRIANGLES)
+
+
+def real_file(name):
+    """A file among the real scenes; without it, the test is skipped and says so."""
+    data = Path(os.environ.get("RAYFLOCK_DATA", Path(__file__).parents[3] / "shared/data"))
+    files = sorted(data.rglob(name)) if data.is_dir() else []
+    if not files:
+        pytest.skip(f"there is no {name} in {data}; RAYFLOCK_DATA says where real scenes are")
+    return files[0]
 
 
 def sphere_mesh(rows=24, columns=48, radius=1.0):

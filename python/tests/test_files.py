@@ -1,12 +1,9 @@
 """Scenes from files, and pictures."""
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
 import rayflock
-from conftest import TRIANGLES, VERTICES
+from conftest import TRIANGLES, VERTICES, real_file
 
 DOWN = [[0.25, 0.25, 2.0, 0.0, 0.0, -1.0]]
 
@@ -161,11 +158,7 @@ def test_wrong_options_of_pictures_are_told(one_triangle):
 @pytest.mark.filterwarnings("ignore:.*normals")
 @pytest.mark.parametrize("name", ["CesiumMan.glb", "mannequiny.glb"])
 def test_real_characters_deform(name):
-    data = Path(os.environ.get("RAYFLOCK_DATA", Path(__file__).parents[3] / "shared/data"))
-    files = sorted(data.rglob(name)) if data.is_dir() else []
-    if not files:
-        pytest.skip(f"there is no {name} in {data}; RAYFLOCK_DATA says where real scenes are")
-    scene = rayflock.load(files[0])
+    scene = rayflock.load(real_file(name))
     hits = []
     for time in (0.0, 0.4):
         scene.evaluate(time)

@@ -267,7 +267,7 @@ def test_mistakes_are_told(mistake):
         rayflock.Sensor(sensor, **options)
 
 
-def test_mistakes_of_sweeps_are_told(wall, tmp_path):
+def test_mistakes_of_sweeps_are_told(wall):
     scene = wall[0]
     small = rayflock.Sensor("rosette", at=HERE, beams=100)
     for options, kind, message in [
@@ -281,22 +281,11 @@ def test_mistakes_of_sweeps_are_told(wall, tmp_path):
     assert sweep.shape is None and sweep._repr_png_() is None
     with pytest.raises(ValueError, match="rosette make no picture"):
         _ = sweep.range_image
-    with pytest.raises(ValueError, match="must end in .npz"):
-        sweep.save(tmp_path / "sweep.ply")
     picture = scene.sense(rayflock.Sensor("depth", at=HERE, size=(4, 3)))
     with pytest.raises(ValueError, match=r"values must have shape \(12, ...\)"):
         picture.image(np.zeros(3), 0)
     with pytest.raises(ValueError, match="show must be range, depth or intensity"):
         picture.picture("color")
-
-
-def test_sweeps_are_saved_as_the_program_does(wall, tmp_path):
-    sweep = wall[0].sense(rayflock.Sensor("spinning:16", at=HERE, columns=8))
-    sweep.save(tmp_path / "sweep.npz")
-    with np.load(tmp_path / "sweep.npz") as saved:
-        assert len(saved) == 15 + 3 and "shape" not in saved
-        for name in saved:
-            np.testing.assert_array_equal(saved[name], getattr(sweep, name))
 
 
 def test_notebooks_show_ranges_in_colours(wall):

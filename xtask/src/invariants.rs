@@ -61,7 +61,7 @@ const GATEKEEPERS: [(&str, &[&str]); 13] = [
     ("zip", &["rayflock-import"]),
     ("libloading", &["rayflock-bench"]),
     ("obvhs", &["rayflock-bench"]),
-    ("pcd-rs", &["rayflock-cli"]),
+    ("pcd-rs", &["rayflock-import"]),
     ("webp-animation", &["rayflock-cli"]),
     ("wgpu", &["rayflock-gpu"]),
 ];

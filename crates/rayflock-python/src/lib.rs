@@ -15,6 +15,7 @@
 //! | `picture` | pictures of scenes |
 //! | `sense` | sensors in scenes that move: `sensor_options`, `sensor_pattern` say what they are |
 //! | `sweep_arrays`, `false_colors` | what sensors saw as NumPy arrays, and in colours |
+//! | `point_files` | what sensors saw as files |
 //! | `stage` | scenes as pictures and sensors take them |
 //! | `errors` | which exception tells of what |
 //! | `pool` | threads that survive a fork |
@@ -32,6 +33,7 @@ mod false_colors;
 mod hit_arrays;
 mod meshes;
 mod picture;
+mod point_files;
 mod pool;
 mod question;
 mod scene;
@@ -51,6 +53,8 @@ mod _native {
     use super::false_colors::false_colors;
     #[pymodule_export]
     use super::picture::encode_png;
+    #[pymodule_export]
+    use super::point_files::save_points;
     #[pymodule_export]
     use super::scene::Scene;
     #[pymodule_export]

@@ -10,11 +10,14 @@
 //! | [`write_ply`] | triangles, or spheres where there are none | a file a frame, small and quick |
 //! | [`FrameSet`] | triangles and spheres of all frames | NumPy is at the other end |
 //! | [`MorphSet`] | the same triangles in all frames, moving | another program plays animations |
+//! | `points::write_points` | points that a sensor told: PLY, PCD, NPZ, CSV (with the feature `points`) | a sweep is to be kept |
 
 mod glb;
 mod npz;
 mod obj;
 mod ply;
+#[cfg(feature = "points")]
+pub mod points;
 
 #[cfg(test)]
 mod tests;

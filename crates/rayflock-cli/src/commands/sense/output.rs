@@ -1,13 +1,11 @@
-//! Files of points, one format a file.
+//! Files of points.
 
-mod csv;
-mod npz;
-mod pcd;
-mod ply;
-
+use std::fs::File;
+use std::io::BufWriter;
 use std::path::Path;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
+use rayflock::import::export::points::{PointFormat, write_points};
 use tracing::debug_span;
 
 use super::scan::Scan;
@@ -18,34 +16,13 @@ use crate::output::{FrameNames, atomic};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct OutputFile {
     names: FrameNames,
-    format: OutputFormat,
-}
-
-/// How points are written down.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum OutputFormat {
-    Ply,
-    Pcd,
-    Npz,
-    Csv,
+    format: PointFormat,
 }
 
 impl OutputFile {
     /// Understands `path` by its extension.
     pub(super) fn new(path: &Path, sweeps: FrameRange) -> Result<Self> {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        let format = match extension.as_str() {
-            "ply" => OutputFormat::Ply,
-            "pcd" => OutputFormat::Pcd,
-            "npz" => OutputFormat::Npz,
-            "csv" => OutputFormat::Csv,
-            _ => bail!(
-                "cannot tell the format of the output \"{}\": expected a .ply, .pcd, .npz or .csv \
-                 file",
-                path.display()
-            ),
-        };
-        Ok(Self { names: sweep_names(path, sweeps), format })
+        Ok(Self { names: sweep_names(path, sweeps), format: PointFormat::of_path(path)? })
     }
 
     /// The paths of the files.
@@ -56,11 +33,9 @@ impl OutputFile {
     /// Writes the file of a sweep, whole or not at all.
     pub(super) fn write(&self, sweep: u32, scan: &Scan<'_>) -> Result<()> {
         let _span = debug_span!("write_points").entered();
-        atomic::write_whole(&self.names.path(sweep), |partial| match self.format {
-            OutputFormat::Ply => ply::write(partial, scan),
-            OutputFormat::Pcd => pcd::write(partial, scan),
-            OutputFormat::Npz => npz::write(partial, scan),
-            OutputFormat::Csv => csv::write(partial, scan),
+        atomic::write_whole(&self.names.path(sweep), |partial| {
+            let mut file = BufWriter::new(File::create(partial)?);
+            Ok(write_points(&scan.points(), self.format, &mut file)?)
         })
     }
 }

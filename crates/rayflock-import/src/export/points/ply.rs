@@ -1,17 +1,13 @@
-//! PLY: points in world space, binary, coloured by their ranges.
+//! PLY: points in world space, binary, coloured.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::io::Write;
 
-use anyhow::Result;
 use ply_rs_bw::ply::{
     Addable, ElementDef, Encoding, Header, PropertyAccess, PropertyDef, PropertyType, ScalarType,
 };
 use ply_rs_bw::writer::Writer;
-use rayflock::render::sensor::Sweep;
 
-use crate::commands::sense::scan::Scan;
+use super::{PointColumns, PointFileError};
 
 /// The properties of a vertex.
 const PROPERTIES: [(&str, ScalarType); 21] = [
@@ -39,10 +35,9 @@ const PROPERTIES: [(&str, ScalarType); 21] = [
 ];
 
 /// Writes all points.
-pub(super) fn write(path: &Path, scan: &Scan<'_>) -> Result<()> {
-    let sweep = scan.sweep;
+pub(super) fn write(points: &PointColumns<'_>, out: &mut impl Write) -> Result<(), PointFileError> {
     let mut vertex = ElementDef::new("vertex".to_owned());
-    vertex.count = sweep.len();
+    vertex.count = points.len();
     for (name, kind) in PROPERTIES {
         let kind = PropertyType::Scalar(kind);
         vertex.properties.add(PropertyDef::new(name.to_owned(), kind));
@@ -51,24 +46,17 @@ pub(super) fn write(path: &Path, scan: &Scan<'_>) -> Result<()> {
     header.encoding = Encoding::BinaryLittleEndian;
     header.elements.add(vertex.clone());
 
-    let mut file = BufWriter::new(File::create(path)?);
     let writer = Writer::<Row<'_>>::new();
-    writer.write_header(&mut file, &header)?;
-    let scale = Scan::color_scale(sweep.range.iter().copied());
-    for idx in 0..sweep.len() {
-        let color = scale.srgb8(f64::from(sweep.range[idx]));
-        let row = Row { point: Some((sweep, idx)), color };
-        writer.write_little_endian_element(&mut file, &row, &vertex)?;
+    writer.write_header(out, &header)?;
+    for idx in 0..points.len() {
+        writer.write_little_endian_element(out, &Row(Some((points, idx))), &vertex)?;
     }
-    Ok(file.flush()?)
+    Ok(())
 }
 
 /// A point, on its way into the file.
 #[derive(Clone, Copy, Debug, Default)]
-struct Row<'a> {
-    point: Option<(&'a Sweep, usize)>,
-    color: [u8; 3],
-}
+struct Row<'a>(Option<(&'a PointColumns<'a>, usize)>);
 
 impl PropertyAccess for Row<'_> {
     fn new() -> Self {
@@ -76,47 +64,47 @@ impl PropertyAccess for Row<'_> {
     }
 
     fn get_float(&self, name: &str) -> Option<f32> {
-        let (sweep, idx) = self.point?;
+        let (points, idx) = self.0?;
         Some(match name {
-            "x" => sweep.position[idx].x,
-            "y" => sweep.position[idx].y,
-            "z" => sweep.position[idx].z,
-            "nx" => sweep.normal[idx].x,
-            "ny" => sweep.normal[idx].y,
-            "nz" => sweep.normal[idx].z,
-            "x_sensor" => sweep.position_in_sensor[idx].x,
-            "y_sensor" => sweep.position_in_sensor[idx].y,
-            "z_sensor" => sweep.position_in_sensor[idx].z,
-            "range" => sweep.range[idx],
-            "intensity" => sweep.intensity[idx],
+            "x" => points.position[idx].x,
+            "y" => points.position[idx].y,
+            "z" => points.position[idx].z,
+            "nx" => points.normal[idx].x,
+            "ny" => points.normal[idx].y,
+            "nz" => points.normal[idx].z,
+            "x_sensor" => points.position_in_sensor[idx].x,
+            "y_sensor" => points.position_in_sensor[idx].y,
+            "z_sensor" => points.position_in_sensor[idx].z,
+            "range" => points.range[idx],
+            "intensity" => points.intensity[idx],
             _ => return None,
         })
     }
 
     fn get_double(&self, name: &str) -> Option<f64> {
-        let (sweep, idx) = self.point?;
-        (name == "time").then(|| sweep.time[idx])
+        let (points, idx) = self.0?;
+        (name == "time").then(|| points.time[idx])
     }
 
     fn get_uint(&self, name: &str) -> Option<u32> {
-        let (sweep, idx) = self.point?;
+        let (points, idx) = self.0?;
         Some(match name {
-            "object" => sweep.object_id[idx],
-            "primitive" => sweep.prim_id[idx],
-            "row" => sweep.row[idx],
-            "column" => sweep.column[idx],
+            "object" => points.object_id[idx],
+            "primitive" => points.prim_id[idx],
+            "row" => points.row[idx],
+            "column" => points.column[idx],
             _ => return None,
         })
     }
 
     fn get_uchar(&self, name: &str) -> Option<u8> {
-        let (sweep, idx) = self.point?;
+        let (points, idx) = self.0?;
         Some(match name {
-            "red" => self.color[0],
-            "green" => self.color[1],
-            "blue" => self.color[2],
-            "return_number" => sweep.return_number[idx],
-            "return_count" => sweep.return_count[idx],
+            "red" => points.color[idx][0],
+            "green" => points.color[idx][1],
+            "blue" => points.color[idx][2],
+            "return_number" => points.return_number[idx],
+            "return_count" => points.return_count[idx],
             _ => return None,
         })
     }

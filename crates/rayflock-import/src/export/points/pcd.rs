@@ -1,14 +1,10 @@
 //! PCD: points for the Point Cloud Library, binary, in world space.
 
-use std::fs;
-use std::io::Cursor;
-use std::path::Path;
+use std::io::{Cursor, Write};
 
-use anyhow::Result;
 use pcd_rs::{DataKind, DynRecord, DynWriter, Field, Schema, ValueKind, ViewPoint, WriterInit};
-use rayflock::render::sensor::Sweep;
 
-use crate::commands::sense::scan::Scan;
+use super::{PointColumns, PointFileError};
 
 /// The fields of a point, called as the library calls those that it knows.
 const FIELDS: [(&str, ValueKind); 15] = [
@@ -30,13 +26,13 @@ const FIELDS: [(&str, ValueKind); 15] = [
 ];
 
 /// Writes all points.
-pub(super) fn write(path: &Path, scan: &Scan<'_>) -> Result<()> {
+pub(super) fn write(points: &PointColumns<'_>, out: &mut impl Write) -> Result<(), PointFileError> {
     // The writer panics when it is dropped unfinished, as it would be after an error. There is
     // none in memory.
     let mut bytes = Vec::new();
     let schema: Schema = FIELDS.iter().map(|(name, kind)| (*name, *kind, 1)).collect();
     let init = WriterInit {
-        width: scan.sweep.len() as u64,
+        width: points.len() as u64,
         height: 1,
         viewpoint: ViewPoint::default(),
         data_kind: DataKind::Binary,
@@ -44,24 +40,24 @@ pub(super) fn write(path: &Path, scan: &Scan<'_>) -> Result<()> {
         version: None,
     };
     let mut writer: DynWriter<_> = init.build_from_writer(Cursor::new(&mut bytes))?;
-    let pushed = (0..scan.sweep.len()).try_for_each(|idx| writer.push(&record(scan.sweep, idx)));
+    let pushed = (0..points.len()).try_for_each(|idx| writer.push(&record(points, idx)));
     let finished = writer.finish();
     pushed.and(finished)?;
-    Ok(fs::write(path, bytes)?)
+    Ok(out.write_all(&bytes)?)
 }
 
-fn record(sweep: &Sweep, idx: usize) -> DynRecord {
-    let (position, normal) = (sweep.position[idx], sweep.normal[idx]);
+fn record(points: &PointColumns<'_>, idx: usize) -> DynRecord {
+    let (position, normal) = (points.position[idx], points.normal[idx]);
     let mut fields: Vec<Field> = [position.to_array(), normal.to_array()]
         .into_iter()
         .flatten()
-        .chain([sweep.intensity[idx], sweep.range[idx]])
+        .chain([points.intensity[idx], points.range[idx]])
         .map(|value| Field::F32(vec![value]))
         .collect();
-    fields.push(Field::F64(vec![sweep.time[idx]]));
-    let ids = [sweep.object_id[idx], sweep.prim_id[idx], sweep.row[idx], sweep.column[idx]];
+    fields.push(Field::F64(vec![points.time[idx]]));
+    let ids = [points.object_id[idx], points.prim_id[idx], points.row[idx], points.column[idx]];
     fields.extend(ids.map(|value| Field::U32(vec![value])));
-    let returns = [sweep.return_number[idx], sweep.return_count[idx]];
+    let returns = [points.return_number[idx], points.return_count[idx]];
     fields.extend(returns.map(|value| Field::U8(vec![value])));
     DynRecord(fields)
 }
