@@ -32,6 +32,9 @@ def load(
         engine: as for :class:`Scene`.
         threads: as for :class:`Scene`.
 
+    Returns:
+        the scene; :attr:`Scene.source` tells what is in the file.
+
     Raises:
         FileNotFoundError: there is no such file.
         ValueError: what is in the file breaks the rules of its format, with the place; or there is

@@ -14,7 +14,15 @@ class Picture(np.ndarray):
     of linear light."""
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a PNG file."""
+        """Writes a PNG file.
+
+        Args:
+            path: where to; a file that is there is replaced.
+
+        Raises:
+            ValueError: the picture is not of dtype uint8 and shape (height, width, 3).
+            OSError: the file cannot be written.
+        """
         with open(path, "wb") as file:
             file.write(self._png())
 

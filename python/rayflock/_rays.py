@@ -41,6 +41,11 @@ def create_rays_pinhole(*args, **kwargs) -> Rays:
         middle of each pixel. Directions have length 1 along the camera's axis, so ``t_hit`` is
         depth. Made from ``up``, the first row is the one farthest down and the first column the
         one farthest right, as in Open3D: ``rays[::-1, ::-1]`` is the picture the right way round.
+
+    Raises:
+        ValueError: a matrix cannot be inverted or has another shape, ``up`` is along the view, or
+            ``fov_deg`` does not lie between 0 and 180.
+        TypeError: arguments are neither those of the one form nor of the other.
     """
     names = _signature(args, kwargs)
     values = dict(zip(names, args, strict=False))
@@ -123,6 +128,9 @@ def create_rays_spherical(
     Returns:
         float32 of shape (height_px, width_px, 6); directions have length 1. The ray of a pixel
         goes through its middle, so no ray is at the very first or last angle.
+
+    Raises:
+        ValueError: something has another shape, or ``up`` is along ``forward``.
     """
     width, height = _pixels(width_px, "width_px"), _pixels(height_px, "height_px")
     origin, ahead, axis = (

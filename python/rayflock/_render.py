@@ -56,6 +56,13 @@ def render(
         linear: return float32 of linear light, without ``exposure`` and ``tone_map``.
         engine: traces by this engine in place of the scene's own.
         threads: works on so many threads in place of the scene's own number.
+
+    Returns:
+        uint8 (height, width, 3) as on a screen; with ``linear`` float32. Row 0 is the top row.
+
+    Raises:
+        ValueError: there is no such camera, tone map or engine, or a number is out of its range.
+        TypeError: something has another type, or ``eye`` comes without ``center``.
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene must be a rayflock.Scene, found {type(scene).__name__}")

@@ -70,7 +70,12 @@ class Scene:
                 said for speed; engines notice by themselves what rests.
             mask: a ray hits the object only if ``ray_mask & mask != 0``.
 
+        Returns:
+            the id, from 0 on in a new scene.
+
         Raises:
+            ValueError: an array has another shape, or the mask more than 32 bits.
+            TypeError: an array holds something else than numbers.
             IndexError: a triangle names a vertex that is not there.
         """
         vertices = arguments.rows(vertices, "vertices", 3)
@@ -87,8 +92,11 @@ class Scene:
                 must be as many vertices as before.
 
         Raises:
-            KeyError: no object has this id.
+            KeyError: no object has this id: it was never added, or has been removed.
             IndexError: a triangle names a vertex that is not there.
+            ValueError: an array has another shape, the object is static, belongs to a file, or
+                holds spheres; or without triangles, the number of vertices is another.
+            TypeError: an array holds something else than numbers.
         """
         id = arguments.object_id(id)
         vertices = arguments.rows(vertices, "vertices", 3)
@@ -111,6 +119,13 @@ class Scene:
             radii: one for all, or (n,). Spheres of a radius that is not positive are ignored.
             static: as for :meth:`add`.
             mask: as for :meth:`add`.
+
+        Returns:
+            the id.
+
+        Raises:
+            ValueError: an array has another shape, or the mask more than 32 bits.
+            TypeError: an array holds something else than numbers.
         """
         centers = arguments.rows(centers, "centers", 3)
         radii = _radii(radii, len(centers))
@@ -126,6 +141,9 @@ class Scene:
 
         Raises:
             KeyError: no object has this id.
+            ValueError: an array has another shape, the object is static, or holds triangles; or
+                without radii, the number of centers is another.
+            TypeError: an array holds something else than numbers.
         """
         id = arguments.object_id(id)
         centers = arguments.rows(centers, "centers", 3)
@@ -134,7 +152,15 @@ class Scene:
         self._native.update_spheres(id, centers, radii)
 
     def remove(self, id: int) -> None:
-        """Takes an object out of the scene. Raises KeyError where no object has this id."""
+        """Takes an object out of the scene; its id is not used again.
+
+        Args:
+            id: which object.
+
+        Raises:
+            KeyError: no object has this id.
+            ValueError: the object belongs to a file.
+        """
         self._native.remove(arguments.object_id(id))
 
     def copy(self) -> Scene:
@@ -187,6 +213,11 @@ class Scene:
             - ``primitive_uvs``, float32 (..., 2): the hit is at ``(1 - u - v) v0 + u v1 + v v2``.
             - ``primitive_normals``, float32 (..., 3): of length 1, towards where the corners run
               counter-clockwise, or out of the sphere; 0 for a miss.
+
+        Raises:
+            ValueError: an array has another shape, ``out`` cannot be written in place or has a name
+                that is none of these, or there is no such engine.
+            TypeError: an array has another dtype, or both ``rays`` and ``origin`` are given.
         """
         question, shape = _question(rays, origin, direction, t_min, t_max, mask, engine, threads)
         answer = _new_hits(shape) if out is None else _given_hits(out, shape)
@@ -238,6 +269,9 @@ class Scene:
         crosses there once: an odd count from inside a closed mesh, an even one from outside.
 
         Arguments as for :meth:`cast_rays`; ``out`` is an array of dtype int32 and shape (...).
+
+        Returns:
+            int32 (...): how many hits lie within ``t_min..t_max``.
         """
         question, shape = _question(rays, origin, direction, t_min, t_max, mask, engine, threads)
         counts = _array_or_new(out, np.int32, shape)
@@ -293,8 +327,12 @@ class Scene:
             engine: traces by this engine in place of the scene's own; no point depends on it.
             threads: works on so many threads in place of the scene's own number.
 
+        Returns:
+            the points, in the order of beams, with all that is known of each.
+
         Raises:
             ValueError: there is no such camera, or a frame of a sequence is damaged.
+            TypeError: ``sensor`` is none.
         """
         if not isinstance(sensor, Sensor):
             sensor = Sensor(sensor)
@@ -308,8 +346,12 @@ class Scene:
 
         Clips repeat. Objects that were added stay as they are.
 
+        Args:
+            time: in seconds; frame i of a file is at ``i / source.frame_rate``.
+
         Raises:
-            ValueError: the scene was not loaded, or a frame of a sequence is damaged.
+            ValueError: the scene was not loaded, the time is not finite, or a frame of a sequence
+                is damaged.
         """
         self._native.evaluate(_time(time))
 

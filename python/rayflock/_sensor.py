@@ -57,6 +57,11 @@ class Sensor:
         dust: the share of light that glass scatters at least, 0.02 by default.
         panes: how many surfaces of glass a beam passes at most, 8 by default.
         seed: chooses noise and drop-outs, 0 by default.
+
+    Raises:
+        ValueError: there is no such preset, a number is out of its range, or the file is damaged.
+        TypeError: an option has another type, or says nothing about this sensor.
+        FileNotFoundError: there is no such file.
     """
 
     def __init__(

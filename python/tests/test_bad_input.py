@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import rayflock
 from conftest import TRIANGLES, VERTICES
+from rayflock.compat import embreex, open3d
 
 RAYS = np.float32([[0.25, 0.25, 2, 0, 0, -1]] * 4)
 
@@ -236,13 +237,26 @@ def test_no_argument_makes_it_panic(one_triangle, rng):
         lambda a, b: rayflock.Sensor("depth", size=(2, 2), fov=a, poses=b),
         lambda a, b: rayflock.Sensor("spinning:16", columns=a, elevations=b),
         lambda a, b: scene.sense(SMALL, time=a, threads=b),
+        lambda a, b: scene.sense(SMALL).image(a, b),
+        lambda a, b: scene.sense(SMALL).picture(a).save(b),
+        lambda a, b: scene.sense(a).save(b),
+        lambda a, b: scene.copy().remove(a),
+        lambda a, b: scene.evaluate(a),
+        lambda a, b: rayflock.load(a, clip=b),
+        lambda a, b: rayflock.load("builtin:cornell", up=a, frame_rate=b),
+        lambda a, b: rayflock.render(scene, width=a, height=b),
+        lambda a, b: rayflock.render(scene, width=2, height=2, eye=a, center=b),
+        lambda a, b: rayflock.render(scene, width=2, height=2, background=a, samples=b),
+        lambda a, b: open3d.RaycastingScene().add_triangles(a, b),
+        lambda a, b: embreex.TriangleMesh(embreex.EmbreeScene(), a, b),
+        lambda a, b: embreex.EmbreeScene().run(a, b),
     ]
     answered = 0
     for call, (a, b) in itertools.product(calls, itertools.product(ODD, repeat=2)):
         try:
             call(a, b)
             answered += 1
-        except (TypeError, ValueError, IndexError, KeyError):
+        except (TypeError, ValueError, IndexError, KeyError, OSError, OverflowError):
             pass
     assert answered > 100
     # Whatever was added, the scene still answers.

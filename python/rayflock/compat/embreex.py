@@ -59,6 +59,11 @@ class EmbreeScene:
             int32 (n,): which triangle is hit first, or 0 if occluded; -1 for a miss. Float32 (n,)
             with "DISTANCE": where the ray ends. A dictionary with ``output``: ``u``, ``v``, ``Ng``,
             ``tfar``, ``primID`` and ``geomID``.
+
+        Raises:
+            ValueError: there is no such query, an array has another shape, or ``output`` is wanted
+                of "OCCLUDED".
+            TypeError: points are no arrays.
         """
         if query not in QUERIES:
             raise ValueError(
@@ -114,12 +119,12 @@ class TriangleMesh:
         _meshes(scene)[self._id] = self
 
     def update(self, vertices: ArrayLike, indices: ArrayLike | None = None) -> None:
-        """Replaces the mesh by another one, of any topology; not in embreex."""
+        """Replaces the mesh by another one, of any topology, given as at first; not in embreex."""
         self._keep(vertices, indices)
         self._scene.update(self._id, self._vertices, self._triangles)
 
     def normals(self, triangles: NDArray[np.uint32]) -> NDArray[np.float32]:
-        """Normals of some triangles, as long as two areas."""
+        """Normals of some triangles, as long as two areas: float32 (n, 3)."""
         a, b, c = (self._vertices[self._triangles[triangles, corner]] for corner in range(3))
         return np.cross(b - a, c - a)
 

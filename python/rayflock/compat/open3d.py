@@ -36,7 +36,14 @@ class RaycastingScene:
         self.scene = Scene(threads=nthreads or None)
 
     def add_triangles(self, *args: Any, **kwargs: Any) -> int:
-        """Adds a mesh, ``(vertex_positions, triangle_indices)`` or ``(mesh)``; returns its id."""
+        """Adds a mesh, ``(vertex_positions, triangle_indices)`` or ``(mesh)``; returns its id.
+
+        Positions are (n, 3), float32, and indices (m, 3), uint32; a mesh is an
+        ``open3d.t.geometry.TriangleMesh``.
+
+        Raises:
+            IndexError: a triangle names a vertex that is not there.
+        """
         return self.scene.add(*_mesh(args, kwargs))
 
     def update_triangles(
@@ -45,29 +52,38 @@ class RaycastingScene:
         vertex_positions: ArrayLike,
         triangle_indices: ArrayLike | None = None,
     ) -> None:
-        """Replaces a mesh; not in Open3D."""
+        """Replaces a mesh by another one, of any topology; not in Open3D.
+
+        Args:
+            geometry_id: which mesh.
+            vertex_positions: (n, 3), float32.
+            triangle_indices: (m, 3), uint32; by default those that the mesh has.
+
+        Raises:
+            KeyError: there is no such mesh.
+        """
         self.scene.update(geometry_id, vertex_positions, triangle_indices)
 
     def remove(self, geometry_id: int) -> None:
-        """Takes a mesh out; not in Open3D."""
+        """Takes a mesh out; not in Open3D. Raises ``KeyError`` where there is none."""
         self.scene.remove(geometry_id)
 
     def cast_rays(self, rays: ArrayLike, nthreads: int = 0) -> dict[str, NDArray[Any]]:
-        """See :meth:`rayflock.Scene.cast_rays`."""
+        """What each ray hits first: see :meth:`rayflock.Scene.cast_rays`."""
         return self.scene.cast_rays(rays, threads=nthreads or None)
 
     def test_occlusions(
         self, rays: ArrayLike, tnear: float = 0.0, tfar: float = np.inf, nthreads: int = 0
     ) -> NDArray[np.bool_]:
-        """See :meth:`rayflock.Scene.test_occlusions`."""
+        """Whether rays hit anything, bool (...): see :meth:`rayflock.Scene.test_occlusions`."""
         return self.scene.test_occlusions(rays, t_min=tnear, t_max=tfar, threads=nthreads or None)
 
     def count_intersections(self, rays: ArrayLike, nthreads: int = 0) -> NDArray[np.int32]:
-        """See :meth:`rayflock.Scene.count_intersections`."""
+        """How often rays hit, int32 (...): see :meth:`rayflock.Scene.count_intersections`."""
         return self.scene.count_intersections(rays, threads=nthreads or None)
 
     def list_intersections(self, rays: ArrayLike, nthreads: int = 0) -> dict[str, NDArray[Any]]:
-        """See :meth:`rayflock.Scene.list_intersections`."""
+        """All hits of each ray: see :meth:`rayflock.Scene.list_intersections`."""
         return self.scene.list_intersections(rays, threads=nthreads or None)
 
     create_rays_pinhole = staticmethod(create_rays_pinhole)
