@@ -1,15 +1,20 @@
 """Frames of a mesh that deforms: Rayflock, Open3D and embreex, each used as well as it can be.
 
-    python bench/python/frames.py [--triangles 100000] [--rays 65536] [--kind camera] [--frames 30]
+    python bench/python/frames.py [--triangles 100000] [--rays 65536] [--kinds camera random]
+        [--frames 60] [--threads N]
 
 Each frame has new vertices for all triangles, which are handed over, and a batch of rays, which
-are traced. The libraries take turns, frame by frame; what is told are medians.
+are traced. The libraries take turns, frame by frame, and each begins as often as the others; what
+is told are medians, as a table in Markdown.
 
 Rayflock gets one update. Open3D and embreex cannot update, so they get a new scene each frame,
 which is what their users do. Open3D is asked by cast_rays, as Rayflock is; embreex is asked for
 triangles alone, which is its fastest answer. Answers are compared: which triangle, for every ray.
 
-What a call costs besides the engine's work, which the compiled part measures itself, is told too.
+The call in Rust is what `stats` of a scene tells: the time in which the compiled part has the
+engine take in the mesh, find the hits and write them and their normals to the caller's arrays, as a
+program in Rust would. What cast_rays takes longer than that is the cost of the call from Python:
+checking arguments, looking for what rays share, handing over.
 """
 
 import argparse
@@ -20,6 +25,11 @@ import time
 
 import numpy as np
 import rayflock
+
+
+KINDS = ("camera", "random")
+#: Frames that do not count: the first ones allocate, and teach the engine what is asked.
+WARM_UP = 10
 
 
 class Rayflock:
@@ -126,57 +136,67 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--triangles", type=int, default=100_000)
     parser.add_argument("--rays", type=int, default=65_536)
-    parser.add_argument("--kind", choices=["camera", "random"], default="camera")
-    parser.add_argument("--frames", type=int, default=30)
+    parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
+    parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--threads", type=int, help="threads of Rayflock and Open3D")
     args = parser.parse_args()
+    print(f"{processor()}, {os.cpu_count()} cores, Python {platform.python_version()}\n")
+    for kind in args.kinds:
+        compare(kind, args)
 
+
+def compare(kind, args):
+    """Has the libraries take turns with one kind of rays."""
     vertices, triangles = ball(args.triangles)
-    rays = make_rays(args.kind, args.rays)
+    rays = make_rays(kind, args.rays)
     sides = []
-    for kind in (Rayflock, Open3D, Embreex):
+    for library in (Rayflock, Open3D, Embreex):
         try:
-            sides.append(kind(triangles, rays, args.threads))
+            sides.append(library(triangles, rays, args.threads))
         except ImportError as error:
-            print(f"{kind.name} is left out: {error}")
+            print(f"{library.name} is left out: {error}")
     times = {side.name: [] for side in sides}
     differing = dict.fromkeys(times, 0)
-
-    # The first frames allocate, and teach the engine what is asked.
-    warm_up = 5
-    for frame in range(warm_up + args.frames):
+    for frame in range(WARM_UP + args.frames):
         shape = deformed(vertices, frame)
-        answers = []
-        for side in sides[frame % len(sides) :] + sides[: frame % len(sides)]:
+        answers = {}
+        turn = frame % len(sides)
+        for side in sides[turn:] + sides[:turn]:
             start = time.perf_counter()
             answer = side.frame(shape)
             took = time.perf_counter() - start
             side.after()
-            answers.append((side.name, answer.reshape(-1)))
-            if frame >= warm_up:
+            answers[side.name] = answer.reshape(-1)
+            if frame >= WARM_UP:
                 times[side.name].append(took)
-        ours = next(answer for name, answer in answers if name == Rayflock.name)
-        for name, answer in answers:
-            differing[name] = max(differing[name], int(np.count_nonzero(answer != ours)))
+        for name, answer in answers.items():
+            count = int(np.count_nonzero(answer != answers[Rayflock.name]))
+            differing[name] = max(differing[name], count)
+    print(f"{len(triangles):,} triangles, {rays.size // 6:,} rays ({kind}), {args.frames} frames\n")
+    report(sides[0], times, differing)
 
-    report(args, sides, times, differing, len(triangles), rays.size // 6, warm_up)
 
-
-def report(args, sides, times, differing, triangle_count, ray_count, warm_up):
-    print(
-        f"{triangle_count} triangles, {ray_count} rays ({args.kind}), {args.frames} frames, "
-        f"{os.cpu_count()} cores, {platform.machine()}"
-    )
-    ours = times[Rayflock.name]
+def report(ours, times, differing):
+    print("| | ms a frame | times Rayflock | other triangles, of rays, at most |")
+    print("|---|---:|---:|---:|")
     for name, took in times.items():
-        ratio = statistics.median(b / a for a, b in zip(ours, took, strict=True))
+        ratios = [b / a for a, b in zip(times[Rayflock.name], took, strict=True)]
         print(
-            f"{name:>10}: {statistics.median(took) * 1e3:8.2f} ms a frame, "
-            f"{ratio:6.2f} x rayflock; at most {differing[name]} rays of a frame "
-            "name another triangle"
+            f"| {name} | {statistics.median(took) * 1e3:.2f} | {statistics.median(ratios):.2f} | "
+            f"{differing[name]} |"
         )
-    overhead = statistics.median(sides[0].overheads[warm_up:])
-    print(f"cast_rays takes {overhead:.1%} longer than what the engine does in it")
+    overhead = statistics.median(ours.overheads[WARM_UP:])
+    print(f"\ncast_rays takes {overhead:.1%} longer than the call in Rust\n")
+
+
+def processor():
+    """What the processor is called, where the system tells."""
+    try:
+        with open("/proc/cpuinfo") as file:
+            names = [line.split(":")[1].strip() for line in file if line.startswith("model name")]
+        return names[0]
+    except (OSError, IndexError):
+        return platform.processor() or platform.machine()
 
 
 if __name__ == "__main__":
