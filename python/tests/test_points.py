@@ -83,7 +83,7 @@ def test_ply_is_coloured_by_range(sweep, tmp_path):
     found = read_ply(tmp_path / "a.ply")
     near, far = np.argmin(sweep.range), np.argmax(sweep.range)
     # Viridis goes from dark blue to yellow.
-    assert found["red"][near] < 90 < found["blue"][near]
+    assert found["red"][near] < 90 and found["green"][near] < 30 < found["blue"][near]
     assert found["red"][far] > 240 > 90 > found["blue"][far]
 
 

@@ -41,7 +41,7 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     ),
     ("rayflock-bench", &["rayflock", "rayflock-oracle"]),
     ("rayflock-cli", &["rayflock", "rayflock-bench"]),
-    ("rayflock-python", &["rayflock"]),
+    ("rayflock-python", &["rayflock", "rayflock-cli"]),
     ("xtask", &[]),
 ];
 

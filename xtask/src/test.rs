@@ -16,7 +16,7 @@ struct Step {
     env: Option<(&'static str, &'static str)>,
 }
 
-const STEPS: [Step; 5] = [
+const STEPS: [Step; 6] = [
     Step { name: "format", args: &["fmt", "--all", "--check"], env: None },
     Step {
         name: "lints",
@@ -26,6 +26,11 @@ const STEPS: [Step; 5] = [
     Step {
         name: "lints without the graphics card",
         args: &["clippy", "--workspace", "--", "-D", "warnings"],
+        env: None,
+    },
+    Step {
+        name: "lints of the wheel, without benchmarks",
+        args: &["clippy", "-p", "rayflock-python", "--", "-D", "warnings"],
         env: None,
     },
     Step { name: "tests", args: &["test", "--workspace", GPU], env: None },

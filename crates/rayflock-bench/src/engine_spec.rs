@@ -3,10 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use rayflock::engine::subfields::{self, SubfieldsEngine};
-use rayflock::engine::{self, EngineKind, RayEngine};
-#[cfg(feature = "gpu")]
-use rayflock::gpu::{GpuEngine, GpuEngineSpec};
+use rayflock::engine::{EngineKind, RayEngine};
+use rayflock::{OwnEngine, OwnEngineError};
 
 use crate::peer::PeerError;
 use crate::peer::embree::{EmbreeEngine, EmbreeLibrary, Setting};
@@ -15,20 +13,13 @@ use crate::peer::obvhs::ObvhsEngine;
 const EMBREE: &str = "embree";
 const BEST: &str = "best";
 const OBVHS: &str = "obvhs";
-const GPU: &str = "gpu";
-const SUBFIELDS: &str = EngineKind::Subfields.name();
 
 /// An engine as it is asked for: `hierarchy`, `subfields:eager+list`, `embree`,
 /// `embree:low+instances+packets`, `embree:best`, `obvhs`, `gpu:compute`, `gpu:raster@1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EngineSpec {
     /// One of ours.
-    Own(EngineKind),
-    /// Parallel subfields with these settings.
-    Subfields(subfields::Config),
-    /// One of ours on the graphics card.
-    #[cfg(feature = "gpu")]
-    Gpu(GpuEngineSpec),
+    Own(OwnEngine),
     /// Embree, used in this way.
     Embree(Setting),
     /// Embree in the way that is best for the work, found by trying.
@@ -46,12 +37,7 @@ impl EngineSpec {
     /// but a contest.
     pub fn create(&self, library: Option<&EmbreeLibrary>) -> Result<Box<dyn RayEngine>, PeerError> {
         match *self {
-            Self::Own(kind) => Ok(engine::create(kind)),
-            Self::Subfields(config) => Ok(Box::new(SubfieldsEngine::new(config))),
-            #[cfg(feature = "gpu")]
-            Self::Gpu(spec) => {
-                GpuEngine::open(&spec).map(|engine| Box::new(engine) as _).map_err(PeerError::Gpu)
-            }
+            Self::Own(engine) => Ok(engine.create()?),
             Self::Embree(setting) => {
                 let library = library.cloned().map_or_else(|| EmbreeLibrary::load(None), Ok)?;
                 Ok(Box::new(EmbreeEngine::new(&library, setting)?))
@@ -63,16 +49,12 @@ impl EngineSpec {
 
     /// Whether the engine is one of ours on the CPU, which all agree to the bit.
     pub const fn is_own(&self) -> bool {
-        matches!(self, Self::Own(_) | Self::Subfields(_))
+        matches!(self, Self::Own(engine) if engine.is_on_cpu())
     }
 
     /// Whether the engine can tell what it chose, or what it holds.
     pub const fn explains(&self) -> bool {
-        match self {
-            Self::Own(kind) => matches!(kind, EngineKind::Auto | EngineKind::Subfields),
-            Self::Subfields(_) => true,
-            _ => false,
-        }
+        matches!(self, Self::Own(engine) if engine.explains())
     }
 
     /// Whether the engine needs the library Embree.
@@ -83,17 +65,14 @@ impl EngineSpec {
 
 impl From<EngineKind> for EngineSpec {
     fn from(kind: EngineKind) -> Self {
-        Self::Own(kind)
+        Self::Own(kind.into())
     }
 }
 
 impl fmt::Display for EngineSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Own(kind) => write!(f, "{kind}"),
-            Self::Subfields(config) => write!(f, "{SUBFIELDS}:{config}"),
-            #[cfg(feature = "gpu")]
-            Self::Gpu(spec) => write!(f, "{spec}"),
+            Self::Own(engine) => write!(f, "{engine}"),
             Self::Embree(setting) => write!(f, "{EMBREE}:{setting}"),
             Self::EmbreeBest => write!(f, "{EMBREE}:{BEST}"),
             Self::Obvhs => f.write_str(OBVHS),
@@ -110,17 +89,11 @@ impl FromStr for EngineSpec {
             None if text == OBVHS => Ok(Self::Obvhs),
             Some((EMBREE, BEST)) => Ok(Self::EmbreeBest),
             Some((EMBREE, setting)) => setting.parse().map(Self::Embree),
-            #[cfg(feature = "gpu")]
-            Some((GPU, _)) => text.parse().map(Self::Gpu).map_err(PeerError::Gpu),
-            #[cfg(not(feature = "gpu"))]
-            Some((GPU, _)) => Err(PeerError::BuiltWithoutGpu(text.to_owned())),
-            Some((SUBFIELDS, setting)) => {
-                setting.parse().map(Self::Subfields).map_err(PeerError::Setting)
-            }
-            _ => text
-                .parse()
-                .map(Self::Own)
-                .map_err(|_: engine::EngineError| PeerError::UnknownEngine(text.to_owned())),
+            _ => match text.parse() {
+                Ok(engine) => Ok(Self::Own(engine)),
+                Err(OwnEngineError::Unknown(text)) => Err(PeerError::UnknownEngine(text)),
+                Err(error) => Err(PeerError::Own(error)),
+            },
         }
     }
 }
@@ -135,9 +108,9 @@ mod tests {
 
     #[test]
     fn names_are_parsed_as_they_are_printed() {
-        let own = EngineKind::ALL.map(EngineSpec::Own);
+        let own = EngineKind::ALL.map(EngineSpec::from);
         let embree = Setting::all().into_iter().map(EngineSpec::Embree);
-        let subfields = "eager+list+40".parse().map(EngineSpec::Subfields).unwrap();
+        let subfields = parse("subfields:eager+list+40").unwrap();
         let others = [subfields, EngineSpec::EmbreeBest, EngineSpec::Obvhs];
         for spec in own.into_iter().chain(embree).chain(others) {
             assert_eq!(parse(&spec.to_string()), Ok(spec));
@@ -154,23 +127,6 @@ mod tests {
         }
         assert!(parse("embree:bset").unwrap_err().to_string().contains("\"bset\""));
         assert!(parse("subfields:egaer").unwrap_err().to_string().contains("\"egaer\""));
-    }
-
-    #[cfg(feature = "gpu")]
-    #[test]
-    fn engines_on_the_graphics_card_are_parsed_as_they_are_printed() {
-        for text in ["gpu:brute", "gpu:raster@1", "gpu:compute@llvmpipe"] {
-            let spec = parse(text).unwrap();
-            assert!(spec.to_string() == text && !spec.is_own());
-        }
-        assert!(parse("gpu:warp").unwrap_err().to_string().contains("\"gpu:warp\""));
-    }
-
-    #[cfg(not(feature = "gpu"))]
-    #[test]
-    fn a_program_without_the_graphics_card_says_how_to_build_it_in() {
-        let message = parse("gpu:compute").unwrap_err().to_string();
-        assert!(message.contains("\"gpu:compute\"") && message.contains("--features gpu"));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! Nothing here looks at a file or at another argument: [`RenderPlan`](crate::plan::RenderPlan)
 //! does.
 
+#[cfg(feature = "bench")]
 mod bench;
 mod convert;
 mod engine;
@@ -23,13 +24,14 @@ use rayflock::render::tonemap::ToneMap;
 use crate::frames::FrameRange;
 use crate::size::Size;
 
+#[cfg(feature = "bench")]
 pub(crate) use bench::{
     BenchArguments, BenchCommand, BenchCompareArguments, BenchMapArguments, BenchMuseumArguments,
     BenchReportArguments, BenchScalingArguments, BenchSceneArguments, BenchSpheresArguments,
     EngineArguments, OutputArguments,
 };
 pub(crate) use convert::ConvertArguments;
-pub(crate) use engine::EngineChoice;
+pub(crate) use engine::{EngineChoice, EngineSpec};
 pub(crate) use light::{
     ChoiceArgument, IndirectArgument, Integrator, LightArguments, VisibilityArgument,
 };
@@ -103,6 +105,7 @@ pub(crate) enum Command {
     /// Sweep a scene with a LiDAR or a depth camera while it moves: points, ranges, intensities.
     Sense(Box<SenseArguments>),
     /// Measure engines side by side.
+    #[cfg(feature = "bench")]
     Bench(Box<BenchArguments>),
 }
 

@@ -7,11 +7,16 @@
 //! | 2 | the arguments or the input are wrong |
 //! | 130 | stopped by Ctrl-C; `--resume` goes on |
 
-use std::process::ExitCode;
-
 use anyhow::Error;
 
 use crate::terminal;
+
+/// The output, the device or the program itself failed.
+const OUTPUT: u8 = 1;
+/// The arguments or the input are wrong.
+pub(crate) const INPUT: u8 = 2;
+/// Stopped by Ctrl-C, as shells expect it.
+pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Why a command did not do what it was asked.
 #[derive(Debug)]
@@ -26,18 +31,18 @@ pub(crate) enum Failure {
 
 impl Failure {
     /// Tells the user on standard error and returns the exit code.
-    pub(crate) fn report(&self) -> ExitCode {
+    pub(crate) fn report(&self) -> u8 {
         match self {
             Self::Input(error) | Self::Output(error) => {
                 terminal::say(format_args!("error: {error:#}"));
             }
             Self::Interrupted(how_to_resume) => terminal::say(format_args!("{how_to_resume}")),
         }
-        ExitCode::from(match self {
-            Self::Input(_) => 2,
-            Self::Output(_) => 1,
-            Self::Interrupted(_) => 130,
-        })
+        match self {
+            Self::Input(_) => INPUT,
+            Self::Output(_) => OUTPUT,
+            Self::Interrupted(_) => INTERRUPTED,
+        }
     }
 }
 

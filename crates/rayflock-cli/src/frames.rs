@@ -37,6 +37,7 @@ impl FrameRange {
     }
 
     /// The frames in the middle of `part_count` equal parts; all frames where they are fewer.
+    #[cfg(feature = "bench")]
     pub(crate) fn spread(self, part_count: u64) -> Vec<u32> {
         let parts = part_count.min(self.count());
         let middle = |part: u64| (2 * part + 1) * self.count() / (2 * parts);
@@ -79,6 +80,7 @@ mod tests {
         assert_eq!("0..4294967295".parse::<FrameRange>().unwrap().count(), 1 << 32);
     }
 
+    #[cfg(feature = "bench")]
     #[test]
     fn a_few_frames_spread_over_a_range_lie_in_the_middle_of_equal_parts() {
         let spread = |text: &str, parts| text.parse::<FrameRange>().unwrap().spread(parts);

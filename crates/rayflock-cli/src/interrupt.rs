@@ -2,13 +2,12 @@
 //! once. Files are renamed into place when they are complete, so neither leaves half a file.
 
 use std::process;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::{Context, Result};
 
-/// The exit code of a program stopped by Ctrl-C, as shells expect it.
-const INTERRUPTED: i32 = 130;
+use crate::failure::INTERRUPTED;
 
 /// Whether the user has asked the program to stop.
 #[derive(Clone, Debug, Default)]
@@ -17,14 +16,22 @@ pub(crate) struct Interrupt(Arc<AtomicBool>);
 impl Interrupt {
     /// Starts to listen for Ctrl-C (and for termination and hang-up on Unix).
     pub(crate) fn listen() -> Result<Self> {
+        // A process has one handler, also where the program runs in it several times.
+        static LISTENING: Mutex<Option<Interrupt>> = Mutex::new(None);
+        let mut listening = LISTENING.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(interrupt) = &*listening {
+            interrupt.0.store(false, Ordering::Relaxed);
+            return Ok(interrupt.clone());
+        }
         let interrupt = Self::default();
         let asked = Arc::clone(&interrupt.0);
         ctrlc::set_handler(move || {
             if asked.swap(true, Ordering::Relaxed) {
-                process::exit(INTERRUPTED);
+                process::exit(INTERRUPTED.into());
             }
         })
         .context("cannot listen for Ctrl-C")?;
+        *listening = Some(interrupt.clone());
         Ok(interrupt)
     }
 

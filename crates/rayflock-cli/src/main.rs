@@ -1,38 +1,23 @@
-//! The program `rayflock`: renders scenes that never hold still.
+//! The program `rayflock`, with an allocator that counts.
 //!
-//! [`args`] is what stands on the command line, [`plan`] what it means, [`commands`] what is
-//! done. Whose fault an error is decides its exit code, see [`failure`].
+//! Counting takes two atomic additions an allocation, which is little beside the allocation, and
+//! nothing where nothing is allocated.
 #![forbid(unsafe_code)]
 
-mod allocations;
-mod args;
-mod commands;
-mod convert_plan;
-mod failure;
-mod false_color;
-mod frames;
-mod input;
-mod interrupt;
-mod journal;
-mod light_plan;
-mod output;
-mod plan;
-mod plot;
-mod profile;
-mod progress;
-mod session;
-mod size;
-mod stats;
-mod terminal;
-
+use std::alloc::System;
 use std::process::ExitCode;
 
-use clap::Parser;
+use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
+
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 fn main() -> ExitCode {
-    let arguments = args::Arguments::parse();
-    match commands::run(&arguments.command) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
-    }
+    ExitCode::from(rayflock_cli::run(std::env::args_os(), Some(allocation_count)))
+}
+
+/// Allocations and reallocations since the program began.
+fn allocation_count() -> u64 {
+    let stats = ALLOCATOR.stats();
+    (stats.allocations + stats.reallocations) as u64
 }

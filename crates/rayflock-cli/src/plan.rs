@@ -10,9 +10,8 @@ use anyhow::{Result, ensure};
 use glam::Affine3A;
 use rayflock::render::{RenderSettings, View};
 use rayflock::scene::{Evaluator, Scene, SceneFrame, frame_bounds};
-use rayflock_bench::EngineSpec;
 
-use crate::args::{Integrator, RenderArguments};
+use crate::args::{EngineSpec, Integrator, RenderArguments};
 use crate::failure::{Blame, Failure};
 use crate::frames::FrameRange;
 use crate::input::Input;

@@ -3,7 +3,9 @@
 use std::fmt::Arguments;
 use std::time::Duration;
 
-use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
+#[cfg(feature = "bench")]
+use indicatif::HumanDuration;
+use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::terminal;
 
@@ -30,6 +32,7 @@ impl Progress {
 
     /// A bar for `cell_count` cells of very different length, whose time left is told by whoever
     /// measures them.
+    #[cfg(feature = "bench")]
     pub(crate) fn of_cells(activity: &str, cell_count: u64) -> Self {
         Self::watched("{msg} {wide_bar} {pos}/{len} cells{prefix}", activity, cell_count)
     }
@@ -47,6 +50,7 @@ impl Progress {
     }
 
     /// One more cell is done, and the others will take about so long.
+    #[cfg(feature = "bench")]
     pub(crate) fn advance_with(&self, time_left: Duration) {
         self.0.set_prefix(format!(", about {} left", HumanDuration(time_left)));
         self.0.inc(1);

@@ -9,7 +9,7 @@ use rayflock::scene::Evaluator;
 use rayflock_bench::difference::{Difference, difference};
 use tracing::debug_span;
 
-use crate::allocations::COUNTER;
+use crate::allocations;
 use crate::failure::{Blame, Failure};
 use crate::interrupt::Interrupt;
 use crate::journal::Journal;
@@ -107,13 +107,14 @@ impl Session {
 
         let update_start = Instant::now();
         let (committed, update_allocations) =
-            COUNTER.count(|| self.renderer.commit(&self.plan.input.scene, scene_frame));
+            allocations::counted(|| self.renderer.commit(&self.plan.input.scene, scene_frame));
         let commit = committed.with_context(context).blame_input()?;
         let update_ms = milliseconds_since(update_start);
 
         let view = self.plan.view(scene_frame);
-        let (stats, render_allocations) =
-            COUNTER.count(|| self.renderer.render(&view, &self.plan.settings, &mut self.film));
+        let (stats, render_allocations) = allocations::counted(|| {
+            self.renderer.render(&view, &self.plan.settings, &mut self.film)
+        });
         let times = Times { evaluate_ms, update_ms, total_ms: milliseconds_since(start) };
         let held = Held {
             allocations: update_allocations.zip(render_allocations).map(|(a, b)| a + b),

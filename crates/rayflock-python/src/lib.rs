@@ -16,6 +16,7 @@
 //! | `sense` | sensors in scenes that move: `sensor_options`, `sensor_pattern` say what they are |
 //! | `sweep_arrays`, `false_colors` | what sensors saw as NumPy arrays, and in colours |
 //! | `point_files` | what sensors saw as files |
+//! | `program` | the program, for `python -m rayflock` |
 //! | `stage` | scenes as pictures and sensors take them |
 //! | `errors` | which exception tells of what |
 //! | `pool` | threads that survive a fork |
@@ -35,6 +36,7 @@ mod meshes;
 mod picture;
 mod point_files;
 mod pool;
+mod program;
 mod question;
 mod scene;
 mod sense;
@@ -55,6 +57,8 @@ mod _native {
     use super::picture::encode_png;
     #[pymodule_export]
     use super::point_files::save_points;
+    #[pymodule_export]
+    use super::program::run_program;
     #[pymodule_export]
     use super::scene::Scene;
     #[pymodule_export]

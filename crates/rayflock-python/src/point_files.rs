@@ -27,7 +27,8 @@ pub(crate) fn save_points(
     let arrays = PointArrays::new(columns)?;
     let images = images.map(point_images).transpose()?;
     let points = PointColumns { images, ..arrays.columns()? };
-    py.detach(|| write(&path, &points)).map_err(|error| to_exception(&path, error))
+    let written = py.detach(|| write(&path, &points).map_err(|error| (path, error)));
+    written.map_err(|(path, error)| to_exception(&path, error))
 }
 
 fn write(path: &Path, points: &PointColumns<'_>) -> Result<(), PointFileError> {

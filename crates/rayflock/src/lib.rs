@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`geom`] | you describe what can be hit, and ask about rays |
 //! | [`engine`] | you want hits: several engines, one answer |
+//! | [`OwnEngine`] | an engine is named by a user, settings included |
 //! | `gpu` (with the feature `gpu`) | a graphics card should trace |
 //! | [`scene`] | things have materials and move: clips, skins, morph targets, built-in scenes |
 //! | [`import`] | a scene is in files: glTF, OBJ, PLY, STL, VTK, AFF, NumPy, sequences, caches |
@@ -55,6 +56,9 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod own_engine;
+
+pub use own_engine::{OwnEngine, OwnEngineError};
 pub use rayflock_engine as engine;
 pub use rayflock_geom as geom;
 #[cfg(feature = "gpu")]

@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use rayflock::engine::{EngineError, EngineKind};
-#[cfg(feature = "gpu")]
-use rayflock::gpu::GpuError;
+use rayflock::OwnEngineError;
+use rayflock::engine::EngineKind;
 use thiserror::Error;
 
 /// Why an engine of others cannot be had.
@@ -18,20 +17,9 @@ pub enum PeerError {
         own = EngineKind::ALL.map(EngineKind::name).join(", ")
     )]
     UnknownEngine(String),
-    /// A setting of an engine of ours is not known.
+    /// An engine of ours cannot be had.
     #[error(transparent)]
-    Setting(EngineError),
-    /// An engine on the graphics card cannot be had.
-    #[cfg(feature = "gpu")]
-    #[error(transparent)]
-    Gpu(GpuError),
-    /// The program cannot use graphics cards.
-    #[cfg(not(feature = "gpu"))]
-    #[error(
-        "the engine \"{0}\" wants a program that can use graphics cards; build it with \
-         --features gpu"
-    )]
-    BuiltWithoutGpu(String),
+    Own(#[from] OwnEngineError),
     /// A word of a setting is not known.
     #[error(
         "\"{word}\" in the setting \"{setting}\" of Embree is not known; expected words joined by \

@@ -1,5 +1,6 @@
 //! The commands, one a file.
 
+#[cfg(feature = "bench")]
 mod bench;
 mod convert;
 mod demo;
@@ -23,12 +24,14 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Sun(args) => args.threads,
         Command::Sense(args) => args.threads,
         Command::Convert(_) | Command::Info(_) | Command::Devices(_) => None,
+        #[cfg(feature = "bench")]
         Command::Bench(args) => args.command.threads(),
     };
     let trace = match command {
         Command::Render(args) => args.trace.trace.as_deref(),
         Command::Sun(args) => args.trace.trace.as_deref(),
         Command::Sense(args) => args.trace.trace.as_deref(),
+        #[cfg(feature = "bench")]
         Command::Bench(args) => args.command.trace(),
         Command::Demo(_) | Command::Convert(_) | Command::Info(_) | Command::Devices(_) => None,
     };
@@ -46,6 +49,7 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Sense(args) => sense::run(args),
         Command::Info(args) => info::run(args),
         Command::Devices(args) => devices::run(args),
+        #[cfg(feature = "bench")]
         Command::Bench(args) => bench::run(args),
     };
     profile::record(trace, || pool.install(work)).blame_output()?

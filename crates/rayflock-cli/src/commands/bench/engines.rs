@@ -1,11 +1,11 @@
 //! Finds what the engines of a benchmark need.
 
 use anyhow::anyhow;
-use rayflock_bench::EngineSpec;
 use rayflock_bench::contest::{Effort, Setup};
 use rayflock_bench::peer::embree::EmbreeLibrary;
+use rayflock_bench::{AllocationCounter, EngineSpec};
 
-use crate::allocations::COUNTER;
+use crate::allocations;
 use crate::args::EngineArguments;
 use crate::failure::{Blame, Failure};
 use crate::terminal;
@@ -36,5 +36,7 @@ pub(super) fn setup(
     library: Option<EmbreeLibrary>,
     effort: Effort,
 ) -> Setup {
-    Setup { engines: args.engines.clone(), library, effort, allocations: COUNTER }
+    let allocations = allocations::reader();
+    let allocations = allocations.map_or(AllocationCounter::NONE, AllocationCounter::new);
+    Setup { engines: args.engines.clone(), library, effort, allocations }
 }
