@@ -9,7 +9,8 @@
 //! ```
 //!
 //! What changed is told by the identity of shared meshes, as engines do. An object gets spheres in
-//! proportion to its surface, so that all are about as fine.
+//! proportion to the root of its surface: by the surface itself, large houses leave a single one to
+//! each figure that walks before them.
 //!
 //! **Invariants.** The spheres of a frame in which nothing but places changed since objects came
 //! do not depend on the frames between. Steady state takes no more memory.
@@ -156,10 +157,10 @@ impl SceneSpheres {
 
     /// Makes, refits and moves what has changed.
     fn update_sets(&mut self) {
-        let total: f32 = self.objects.iter().map(ObjectSpheres::area_in_world).sum();
-        let per_area = self.settings.count as f32 / total.max(f32::MIN_POSITIVE);
+        let total: f32 = self.objects.iter().map(ObjectSpheres::size_in_world).sum();
+        let per_size = self.settings.count as f32 / total.max(f32::MIN_POSITIVE);
         self.objects.par_iter_mut().for_each(|object| {
-            let share = (object.area_in_world() * per_area).round();
+            let share = (object.size_in_world() * per_size).round();
             object.update((share as usize).clamp(1, self.settings.count));
         });
     }
@@ -233,10 +234,10 @@ impl ObjectSpheres {
         }
     }
 
-    /// The surface that can be in the way, in world space.
-    fn area_in_world(&self) -> f32 {
+    /// The root of the surface that can be in the way, in world space.
+    fn size_in_world(&self) -> f32 {
         let stretch = self.world_from_object.as_ref().map_or(1.0, stretch);
-        self.set.free_area() * stretch * stretch
+        self.set.free_area().sqrt() * stretch
     }
 
     /// Does what the change asks for; `count` is the object's share of spheres.
