@@ -7,6 +7,7 @@ use std::str::FromStr;
 use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch};
 use thiserror::Error;
 
+use crate::Budget;
 use crate::auto::Choice;
 
 /// Traces batches of rays against one frame of geometry at a time.
@@ -58,6 +59,12 @@ pub trait RayEngine: Debug + Send {
     /// Numbers about what the engine holds that only this engine has.
     fn facts(&self) -> Vec<Fact> {
         Vec::new()
+    }
+
+    /// What stages took since the last commit, and what is held: for engines on a device, empty
+    /// otherwise.
+    fn budget(&self) -> Budget {
+        Budget::default()
     }
 
     /// What the user should hear of, though every question is answered: that a device was lost

@@ -41,6 +41,7 @@ mod answer;
 mod answers;
 pub mod auto;
 pub mod brute;
+mod budget;
 pub mod bvh;
 mod engine;
 pub mod hierarchy;
@@ -55,6 +56,7 @@ pub mod subfields;
 mod triangle_leaf;
 mod wanted;
 
+pub use budget::{Budget, Clock, HeldBytes, StageTime};
 pub use engine::{CommitStats, EngineError, EngineKind, Fact, RayEngine, TraceStats};
 pub use hit_list::{HitList, list_hits};
 pub use normals::{HitColumns, hit_normals};

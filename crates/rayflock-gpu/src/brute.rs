@@ -13,15 +13,17 @@
 //!
 //! **Cost.** Texels times primitives; draws are cut so that the device is not busy for seconds.
 
-use wgpu::{BindingResource, CommandEncoderDescriptor, RenderPipeline};
+use rayflock_engine::Budget;
+use wgpu::{BindingResource, CommandEncoderDescriptor};
 
 use crate::buffer::{ReadBack, bind};
 use crate::method::{Method, Question, TestCounts};
-use crate::pipeline::draw_stage;
+use crate::pipeline::{DrawStage, draw_stage};
 use crate::primitives::PrimitiveStore;
 use crate::ray_textures::{EDGE, HIT_FORMAT, RayTextures, keep_nearest, primitive_buffer, rows};
 use crate::shaders;
 use crate::slots::Run;
+use crate::stage_clock::StageClock;
 use crate::{GpuContext, GpuError};
 
 /// Tests that are asked of the device at a time: tenths of a second on a card.
@@ -30,7 +32,7 @@ const TESTS_PER_SUBMISSION: usize = 1 << 30;
 /// Draws every primitive over all rays.
 #[derive(Debug)]
 pub(crate) struct Brute {
-    cross: RenderPipeline,
+    cross: DrawStage,
     textures: RayTextures,
     read_back: ReadBack,
 }
@@ -39,14 +41,20 @@ impl Brute {
     pub(crate) fn new(context: &GpuContext) -> Self {
         let buffers = [Some(primitive_buffer())];
         let depth = Some(keep_nearest());
-        let cross = draw_stage(context, shaders::BRUTE_CROSS, &buffers, &[HIT_FORMAT], depth);
+        let cross = draw_stage(context, shaders::BRUTE_CROSS, &[], &buffers, &[HIT_FORMAT], depth);
         Self { cross, textures: RayTextures::new(context), read_back: ReadBack::new() }
     }
 
     /// Draws all primitives; returns how many there are.
-    fn draw(&self, context: &GpuContext, primitives: &PrimitiveStore, height: usize) -> usize {
+    fn draw(
+        &self,
+        context: &GpuContext,
+        clock: &mut StageClock,
+        primitives: &PrimitiveStore,
+        height: usize,
+    ) -> usize {
         let views = self.textures.views();
-        let layout = self.cross.get_bind_group_layout(0);
+        let layout = self.cross.pipeline.get_bind_group_layout(0);
         let rays = bind(context, &layout, &views.each_ref().map(BindingResource::TextureView));
         let step = (TESTS_PER_SUBMISSION / (height * EDGE)).max(1);
         let mut drawn_count = 0;
@@ -54,9 +62,10 @@ impl Brute {
             for first in (0..part.count).step_by(step) {
                 let mut encoder =
                     context.device.create_command_encoder(&CommandEncoderDescriptor::default());
-                let mut pass = self.textures.begin(&mut encoder, drawn_count == 0);
+                let timed = clock.render_pass(self.cross.name);
+                let mut pass = self.textures.begin(&mut encoder, timed, drawn_count == 0);
                 pass.set_scissor_rect(0, 0, EDGE as u32, height as u32);
-                pass.set_pipeline(&self.cross);
+                pass.set_pipeline(&self.cross.pipeline);
                 pass.set_bind_group(0, &rays, &[]);
                 pass.set_vertex_buffer(0, part.buffer.slice(..));
                 let end = part.count.min(first + step);
@@ -71,18 +80,19 @@ impl Brute {
 }
 
 impl Method for Brute {
-    fn prepare(&mut self, _: &GpuContext, _: &PrimitiveStore) {}
+    fn prepare(&mut self, _: &GpuContext, _: &mut StageClock, _: &PrimitiveStore) {}
 
     fn trace(
         &mut self,
         context: &GpuContext,
+        clock: &mut StageClock,
         primitives: &PrimitiveStore,
         run: &mut Run,
         _: Question,
     ) -> Result<TestCounts, GpuError> {
         self.textures.send(context, &run.rays);
         let height = rows(run.rays.len());
-        let drawn_count = self.draw(context, primitives, height);
+        let drawn_count = self.draw(context, clock, primitives, height);
         if drawn_count > 0 {
             self.textures.read(context, &mut self.read_back, &mut run.hits)?;
         }
@@ -95,7 +105,8 @@ impl Method for Brute {
         })
     }
 
-    fn memory_usage(&self) -> usize {
-        self.textures.memory_usage() + self.read_back.size() as usize
+    fn hold(&self, budget: &mut Budget) {
+        self.textures.hold(budget);
+        self.read_back.hold(budget);
     }
 }

@@ -1,5 +1,6 @@
 //! Buffers that grow, and the way back from the device.
 
+use rayflock_engine::Budget;
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindingResource, Buffer,
     BufferBinding, BufferDescriptor, BufferSize, BufferUsages, CommandEncoder, MapMode, PollType,
@@ -68,6 +69,11 @@ impl GrowingBuffer {
     /// Bytes that there is room for.
     pub(crate) fn size(&self) -> u64 {
         self.buffer.as_ref().map_or(0, Buffer::size)
+    }
+
+    /// Tells what the buffer holds.
+    pub(crate) fn hold(&self, budget: &mut Budget) {
+        budget.hold(self.label, self.size());
     }
 }
 
@@ -143,8 +149,27 @@ impl ReadBack {
         context.check()
     }
 
-    /// Bytes held.
-    pub(crate) fn size(&self) -> u64 {
-        self.buffer.size()
+    /// Runs what is encoded, and reads the number of two words that `source` begins with then.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`] when the device fails.
+    pub(crate) fn run_for_number(
+        &mut self,
+        context: &GpuContext,
+        mut encoder: CommandEncoder,
+        source: &Buffer,
+    ) -> Result<u64, GpuError> {
+        const BYTES: usize = size_of::<u64>();
+        let target = self.target(context, BYTES);
+        encoder.copy_buffer_to_buffer(source, 0, &target, 0, Some(BYTES as u64));
+        let mut number = 0;
+        let take = |bytes: &[u8]| number = bytemuck::pod_read_unaligned(bytes);
+        self.run(context, encoder, BYTES, take)?;
+        Ok(number)
+    }
+
+    /// Tells what the buffer holds.
+    pub(crate) fn hold(&self, budget: &mut Budget) {
+        self.buffer.hold(budget);
     }
 }

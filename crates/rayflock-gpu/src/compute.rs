@@ -29,16 +29,18 @@ mod tests;
 
 use std::ops::Range;
 
-use wgpu::{CommandEncoder, ComputePass, ComputePipeline};
+use rayflock_engine::Budget;
+use wgpu::{Buffer, CommandEncoder};
 
 use self::buffers::Buffers;
 use self::stages::Stages;
-use crate::buffer::{GrowingBuffer, bind, part_of, range_of};
+use crate::buffer::{GrowingBuffer, part_of, range_of};
 use crate::layout::{Counters, DeviceHit, DeviceRay, Params};
 use crate::method::{Method, Question, TestCounts};
-use crate::pipeline::groups_of;
+use crate::pass::{Groups, StageEncoder};
 use crate::primitives::{Part, PrimitiveStore};
 use crate::slots::{RUN_SLOTS, Run, TILE_RAYS};
+use crate::stage_clock::StageClock;
 use crate::{GpuContext, GpuError};
 
 /// As in `compute/params.wgsl`.
@@ -72,8 +74,30 @@ pub(crate) struct Compute {
 struct Span<'a> {
     part: Part<'a>,
     part_idx: usize,
+    rays: Buffer,
+    hits: Buffer,
     tiles: Range<usize>,
     question: Question,
+}
+
+/// Rays that are on the device, and where what they hit goes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wave<'a> {
+    pub(crate) rays: &'a Buffer,
+    /// Of as many slots as there are rays.
+    pub(crate) hits: &'a Buffer,
+    pub(crate) first_tile: usize,
+    pub(crate) tile_count: usize,
+    pub(crate) question: Question,
+}
+
+/// What there was not enough of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Room {
+    /// Now there is.
+    Grown,
+    /// Buffers may not be larger.
+    Exhausted,
 }
 
 impl Span<'_> {
@@ -96,19 +120,28 @@ impl Span<'_> {
         [with(self.tiles.start..middle), with(middle..self.tiles.end)]
     }
 
-    fn counts(&self, found: &Counters) -> TestCounts {
-        let children = FAN_OUT * (found.root_pairs + found.node_pairs) as usize;
-        let asked = self.root_count() * self.chunk_count() + children;
-        TestCounts {
-            cones: asked as u64 + CHUNK_PRIMS as u64 * u64::from(found.chunk_tests),
-            triangles: TILE_RAYS as u64 * u64::from(found.triangle_tests),
-            spheres: TILE_RAYS as u64 * u64::from(found.sphere_tests),
-            pairs: [found.root_pairs, found.node_pairs, found.tile_pairs]
-                .map(u64::from)
-                .iter()
-                .sum(),
-        }
+    /// Cone tests of the first level.
+    fn asked(&self) -> usize {
+        self.root_count() * self.chunk_count()
     }
+}
+
+/// The tests of a trace whose first level took so many cone tests.
+pub(crate) fn tests_of(asked: usize, found: &Counters) -> TestCounts {
+    let [root_pairs, node_pairs, tile_pairs] =
+        [found.root_pairs, found.node_pairs, found.tile_pairs].map(u64::from);
+    let children = FAN_OUT as u64 * (root_pairs + node_pairs);
+    TestCounts {
+        cones: asked as u64 + children + CHUNK_PRIMS as u64 * u64::from(found.chunk_tests),
+        triangles: TILE_RAYS as u64 * u64::from(found.triangle_tests),
+        spheres: TILE_RAYS as u64 * u64::from(found.sphere_tests),
+        pairs: root_pairs + node_pairs + tile_pairs,
+    }
+}
+
+/// Pairs that a buffer has to hold.
+pub(crate) fn pairs_needed(found: &Counters) -> usize {
+    found.root_pairs.max(found.node_pairs).max(found.tile_pairs) as usize
 }
 
 impl Compute {
@@ -117,7 +150,11 @@ impl Compute {
     }
 
     /// With room for so many pairs at first, and at most.
-    fn with_capacity(context: &GpuContext, pair_capacity: usize, largest_capacity: usize) -> Self {
+    pub(crate) fn with_capacity(
+        context: &GpuContext,
+        pair_capacity: usize,
+        largest_capacity: usize,
+    ) -> Self {
         Self {
             stages: Stages::new(context),
             buffers: Buffers::new(),
@@ -131,21 +168,22 @@ impl Compute {
     fn trace_span(
         &mut self,
         context: &GpuContext,
+        clock: &mut StageClock,
         span: &Span<'_>,
         hits: &mut [DeviceHit],
     ) -> Result<TestCounts, GpuError> {
         loop {
-            let found = self.run_span(context, span, hits)?;
-            let needed = found.root_pairs.max(found.node_pairs).max(found.tile_pairs) as usize;
+            let found = self.run_span(context, clock, span, hits)?;
+            let needed = pairs_needed(&found);
             if needed <= self.pair_capacity {
-                return Ok(span.counts(&found));
+                return Ok(tests_of(span.asked(), &found));
             }
             // A single tile makes no more pairs than there are chunks.
             let largest = self.largest_capacity.max(span.chunk_count());
             if needed > largest && span.tiles.len() > 1 {
                 let [first, second] = span.halves();
-                let counts = self.trace_span(context, &first, hits)?;
-                return Ok(counts + self.trace_span(context, &second, hits)?);
+                let counts = self.trace_span(context, clock, &first, hits)?;
+                return Ok(counts + self.trace_span(context, clock, &second, hits)?);
             }
             self.pair_capacity = needed.next_power_of_two();
         }
@@ -156,9 +194,52 @@ impl Compute {
     fn run_span(
         &mut self,
         context: &GpuContext,
+        clock: &mut StageClock,
         span: &Span<'_>,
         hits: &mut [DeviceHit],
     ) -> Result<Counters, GpuError> {
+        let encoder = self.encode_span(context, clock, span).encoder;
+        self.buffers.read(context, encoder, hits)
+    }
+
+    /// Traces a wave without waiting for it; `log` gets the counters, and how many cone tests the
+    /// first level takes, for each part of the primitives.
+    pub(crate) fn trace_wave(
+        &mut self,
+        context: &GpuContext,
+        clock: &mut StageClock,
+        primitives: &PrimitiveStore,
+        wave: &Wave<'_>,
+        log: &mut dyn FnMut(&mut CommandEncoder, &Buffer, usize),
+    ) {
+        for (part_idx, part) in primitives.parts().enumerate() {
+            let tiles = wave.first_tile..wave.first_tile + wave.tile_count;
+            let (rays, hits) = (wave.rays.clone(), wave.hits.clone());
+            let span = Span { part, part_idx, rays, hits, tiles, question: wave.question };
+            let mut encoder = self.encode_span(context, clock, &span);
+            log(&mut encoder.encoder, self.buffers.counter_buffer(), span.asked());
+            encoder.submit();
+        }
+    }
+
+    /// Makes room for so many pairs, if there is not enough.
+    pub(crate) fn make_room(&mut self, needed: usize) -> Option<Room> {
+        if needed <= self.pair_capacity {
+            return None;
+        }
+        if needed > self.largest_capacity {
+            return Some(Room::Exhausted);
+        }
+        self.pair_capacity = needed.next_power_of_two();
+        Some(Room::Grown)
+    }
+
+    fn encode_span<'a>(
+        &mut self,
+        context: &'a GpuContext,
+        clock: &'a mut StageClock,
+        span: &Span<'_>,
+    ) -> StageEncoder<'a> {
         let params = Params {
             tile_count: span.tiles.len() as u32,
             chunk_count: span.chunk_count() as u32,
@@ -166,81 +247,70 @@ impl Compute {
             question: span.question as u32,
         };
         self.buffers.reserve(context, &params);
-        let mut encoder = context.device.create_command_encoder(&Default::default());
-        self.buffers.clear(&mut encoder);
-        self.encode_stages(context, span, &mut encoder);
-        self.buffers.read(context, encoder, hits)
+        let mut encoder = StageEncoder::new(context, clock);
+        self.buffers.clear(&mut encoder.encoder);
+        self.encode_cones(span, &mut encoder);
+        self.encode_refinement(span, &mut encoder);
+        self.encode_lists(&mut encoder);
+        self.encode_trace(span, &mut encoder);
+        encoder
     }
 
-    fn encode_stages(&self, context: &GpuContext, span: &Span<'_>, encoder: &mut CommandEncoder) {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        let mut run = Encoder { context, pass: &mut pass };
-        self.encode_cones(span, &mut run);
-        self.encode_refinement(span, &mut run);
-        self.encode_lists(&mut run);
-        self.encode_trace(span, &mut run);
-    }
-
-    fn encode_cones(&self, span: &Span<'_>, run: &mut Encoder<'_, '_>) {
+    fn encode_cones(&self, span: &Span<'_>, encoder: &mut StageEncoder<'_>) {
         let (stages, buffers) = (&self.stages, &self.buffers);
-        let rays = self.rays_of(span);
-        run.stage(&stages.bound_tiles, &[rays, buffers.cones()]);
-        run.dispatch(span.tiles.len());
+        let rays = rays_of(span);
+        encoder.stage(
+            &stages.bound_tiles,
+            &[rays, buffers.cones()],
+            Groups::Count(span.tiles.len()),
+        );
         for (stage, count) in
             [(&stages.bound_nodes, span.node_count()), (&stages.bound_roots, span.root_count())]
         {
-            run.stage(stage, &[buffers.cones(), buffers.params()]);
-            run.dispatch(count.div_ceil(64));
+            encoder.stage(
+                stage,
+                &[buffers.cones(), buffers.params()],
+                Groups::Count(count.div_ceil(64)),
+            );
         }
     }
 
-    fn encode_refinement(&self, span: &Span<'_>, run: &mut Encoder<'_, '_>) {
+    fn encode_refinement(&self, span: &Span<'_>, encoder: &mut StageEncoder<'_>) {
         let (stages, b) = (&self.stages, &self.buffers);
         let chunks = self.chunks_of(span);
         let [even, odd] = b.pairs();
-        run.stage(
-            &stages.seed_pairs,
-            &[b.cones(), chunks.clone(), even.clone(), b.counters(), b.params()],
-        );
-        run.dispatch((span.root_count() * span.chunk_count()).div_ceil(64));
+        let resources = [b.cones(), chunks.clone(), even.clone(), b.counters(), b.params()];
+        encoder.stage(&stages.seed_pairs, &resources, Groups::Count(span.asked().div_ceil(64)));
         let levels = [(&stages.refine_roots, &even, &odd), (&stages.refine_nodes, &odd, &even)];
         for (level, (stage, parents, pairs)) in levels.into_iter().enumerate() {
-            self.encode_plan(level, run);
+            self.encode_plan(level, encoder);
             let (parents, pairs) = (parents.clone(), pairs.clone());
             let resources =
                 [b.cones(), chunks.clone(), parents, pairs, b.counters(), b.ranges(), b.params()];
-            run.stage(stage, &resources);
-            run.dispatch_planned(b.dispatch_buffer(level));
+            encoder.stage(stage, &resources, Groups::Planned(b.dispatch_buffer(level)));
         }
     }
 
-    fn encode_plan(&self, level: usize, run: &mut Encoder<'_, '_>) {
+    fn encode_plan(&self, level: usize, encoder: &mut StageEncoder<'_>) {
         let b = &self.buffers;
-        run.stage(
-            &self.stages.plan_dispatch[level],
-            &[b.counters(), b.dispatch(level), b.params()],
-        );
-        run.dispatch(1);
+        let resources = [b.counters(), b.dispatch(level), b.params()];
+        encoder.stage(&self.stages.plan_dispatch[level], &resources, Groups::Count(1));
     }
 
-    fn encode_lists(&self, run: &mut Encoder<'_, '_>) {
+    fn encode_lists(&self, encoder: &mut StageEncoder<'_>) {
         let (stages, b) = (&self.stages, &self.buffers);
-        self.encode_plan(2, run);
-        run.stage(&stages.plan_lists, &[b.ranges()]);
-        run.dispatch(1);
+        self.encode_plan(2, encoder);
+        encoder.stage(&stages.plan_lists, &[b.ranges()], Groups::Count(1));
         let [tile_pairs, _] = b.pairs();
-        run.stage(
-            &stages.fill_lists,
-            &[tile_pairs, b.counters(), b.ranges(), b.list(), b.params()],
-        );
-        run.dispatch_planned(b.dispatch_buffer(2));
+        let resources = [tile_pairs, b.counters(), b.ranges(), b.list(), b.params()];
+        encoder.stage(&stages.fill_lists, &resources, Groups::Planned(b.dispatch_buffer(2)));
     }
 
-    fn encode_trace(&self, span: &Span<'_>, run: &mut Encoder<'_, '_>) {
+    fn encode_trace(&self, span: &Span<'_>, encoder: &mut StageEncoder<'_>) {
         let b = &self.buffers;
         let resources = [
-            self.rays_of(span),
-            b.hits(),
+            rays_of(span),
+            span.hits.as_entire_binding(),
             part_of(span.part.buffer, span.part.bytes()),
             self.chunks_of(span),
             b.cones(),
@@ -249,15 +319,7 @@ impl Compute {
             b.counters(),
             b.params(),
         ];
-        run.stage(&self.stages.trace_tile, &resources);
-        run.dispatch(span.tiles.len());
-    }
-
-    /// The rays of a span; tiles are a multiple of what offsets must be aligned to.
-    fn rays_of(&self, span: &Span<'_>) -> wgpu::BindingResource<'_> {
-        let tile_bytes = TILE_RAYS * size_of::<DeviceRay>();
-        let bytes = span.tiles.len() * tile_bytes;
-        range_of(self.buffers.rays.buffer(), span.tiles.start * tile_bytes, bytes)
+        encoder.stage(&self.stages.trace_tile, &resources, Groups::Count(span.tiles.len()));
     }
 
     fn chunks_of(&self, span: &Span<'_>) -> wgpu::BindingResource<'_> {
@@ -265,53 +327,38 @@ impl Compute {
     }
 }
 
-/// Stages on their way into a pass.
-struct Encoder<'a, 'pass> {
-    context: &'a GpuContext,
-    pass: &'a mut ComputePass<'pass>,
-}
-
-impl Encoder<'_, '_> {
-    /// Makes a stage the one that is dispatched next.
-    fn stage(&mut self, stage: &ComputePipeline, resources: &[wgpu::BindingResource<'_>]) {
-        let group = bind(self.context, &stage.get_bind_group_layout(0), resources);
-        self.pass.set_pipeline(stage);
-        self.pass.set_bind_group(0, &group, &[]);
-    }
-
-    fn dispatch(&mut self, group_count: usize) {
-        let [x, y] = groups_of(group_count);
-        self.pass.dispatch_workgroups(x, y, 1);
-    }
-
-    /// As many workgroups as an earlier stage has written.
-    fn dispatch_planned(&mut self, counts: &wgpu::Buffer) {
-        self.pass.dispatch_workgroups_indirect(counts, 0);
-    }
+/// The rays of a span; tiles are a multiple of what offsets must be aligned to.
+fn rays_of<'a>(span: &'a Span<'_>) -> wgpu::BindingResource<'a> {
+    let tile_bytes = TILE_RAYS * size_of::<DeviceRay>();
+    range_of(&span.rays, span.tiles.start * tile_bytes, span.tiles.len() * tile_bytes)
 }
 
 impl Method for Compute {
-    fn prepare(&mut self, context: &GpuContext, primitives: &PrimitiveStore) {
+    fn prepare(
+        &mut self,
+        context: &GpuContext,
+        clock: &mut StageClock,
+        primitives: &PrimitiveStore,
+    ) {
         let usage = wgpu::BufferUsages::STORAGE;
         let part_count = primitives.parts().count();
         self.chunks.resize_with(part_count, || GrowingBuffer::new("chunks", usage));
-        let mut encoder = context.device.create_command_encoder(&Default::default());
+        let mut encoder = StageEncoder::new(context, clock);
         for (part, chunks) in primitives.parts().zip(&mut self.chunks) {
             let chunk_count = part.count.div_ceil(CHUNK_PRIMS);
             let bytes = chunk_count * SPHERE_BYTES;
             let chunks = chunks.reserve(context, bytes);
-            let mut pass = encoder.begin_compute_pass(&Default::default());
-            let mut run = Encoder { context, pass: &mut pass };
             let resources = [part_of(part.buffer, part.bytes()), part_of(chunks, bytes)];
-            run.stage(&self.stages.bound_chunks, &resources);
-            run.dispatch(chunk_count.div_ceil(64));
+            let groups = Groups::Count(chunk_count.div_ceil(64));
+            encoder.stage(&self.stages.bound_chunks, &resources, groups);
         }
-        context.queue.submit([encoder.finish()]);
+        encoder.submit();
     }
 
     fn trace(
         &mut self,
         context: &GpuContext,
+        clock: &mut StageClock,
         primitives: &PrimitiveStore,
         run: &mut Run,
         question: Question,
@@ -321,14 +368,16 @@ impl Method for Compute {
         let tile_count = run.rays.len() / TILE_RAYS;
         let mut counts = TestCounts::default();
         for (part_idx, part) in primitives.parts().enumerate() {
-            let span = Span { part, part_idx, tiles: 0..tile_count, question };
-            counts = counts + self.trace_span(context, &span, &mut run.hits)?;
+            let (rays, hits) = (self.buffers.rays.buffer(), self.buffers.hits.buffer());
+            let (rays, hits, tiles) = (rays.clone(), hits.clone(), 0..tile_count);
+            let span = Span { part, part_idx, rays, hits, tiles, question };
+            counts = counts + self.trace_span(context, clock, &span, &mut run.hits)?;
         }
         Ok(counts)
     }
 
-    fn memory_usage(&self) -> usize {
-        let chunks: u64 = self.chunks.iter().map(GrowingBuffer::size).sum();
-        self.buffers.memory_usage() + chunks as usize
+    fn hold(&self, budget: &mut Budget) {
+        self.buffers.hold(budget);
+        self.chunks.iter().for_each(|chunks| chunks.hold(budget));
     }
 }

@@ -7,7 +7,7 @@
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use wgpu::{Adapter, Device, DeviceDescriptor, Limits, Queue};
+use wgpu::{Adapter, Device, DeviceDescriptor, Features, Limits, Queue};
 
 use crate::adapter::{AdapterSummary, choose};
 use crate::{AdapterChoice, GpuError};
@@ -44,8 +44,12 @@ impl GpuContext {
         let adapter = choose(choice)?;
         let summary = AdapterSummary::new(&adapter);
         check_limits(&adapter, &summary)?;
-        let descriptor =
-            DeviceDescriptor { required_limits: Limits::default(), ..Default::default() };
+        let descriptor = DeviceDescriptor {
+            required_limits: Limits::default(),
+            // Only what is told of stages depends on it.
+            required_features: adapter.features() & Features::TIMESTAMP_QUERY,
+            ..Default::default()
+        };
         let opened = pollster::block_on(adapter.request_device(&descriptor));
         let (device, queue) = opened.map_err(|error| GpuError::NoDevice {
             adapter: summary.name.clone(),

@@ -6,8 +6,9 @@
 //! and whether the outline of a mesh is hit.
 
 use std::sync::Arc;
+use std::time::Instant;
 
-use rayflock_engine::{CommitStats, EngineError, RayEngine, TraceStats};
+use rayflock_engine::{Budget, CommitStats, EngineError, RayEngine, TraceStats};
 use rayflock_geom::{FrameChanges, Geometry, Hit, Hits, RayBatch};
 use tracing::debug_span;
 
@@ -18,6 +19,7 @@ use crate::method::{Method, Question};
 use crate::primitives::PrimitiveStore;
 use crate::raster::Raster;
 use crate::slots::{RUN_SLOTS, Run, Slots};
+use crate::stage_clock::StageClock;
 use crate::standby::Standby;
 use crate::{GpuContext, GpuEngineKind, GpuEngineSpec, GpuError};
 
@@ -30,6 +32,7 @@ pub struct GpuEngine {
     method: Box<dyn Method>,
     slots: Slots,
     run: Run,
+    clock: StageClock,
     /// At work once the device is lost.
     standby: Option<Standby>,
 }
@@ -53,6 +56,7 @@ impl GpuEngine {
             method,
             slots: Slots::default(),
             run: Run::default(),
+            clock: StageClock::new(context),
             standby: None,
         })
     }
@@ -81,7 +85,10 @@ impl GpuEngine {
         for first_slot in (0..self.slots.len()).step_by(RUN_SLOTS) {
             let (run, slots) = (&mut self.run, &self.slots);
             run.fill(rays, slots, first_slot, &|ray_idx| answers.t_bound(ray_idx));
-            let counts = self.method.trace(&self.context, &self.primitives, run, question)?;
+            let (context, clock) = (&self.context, &mut self.clock);
+            let start = Instant::now();
+            let counts = self.method.trace(context, clock, &self.primitives, run, question)?;
+            clock.collect(context, start)?;
             stats.invalid_rays += run.invalid_count;
             stats.cone_tests += counts.cones;
             stats.triangle_tests += counts.triangles;
@@ -154,7 +161,8 @@ impl RayEngine for GpuEngine {
             return standby.commit(geometry, changes);
         }
         let stats = self.primitives.commit(&self.context, geometry, changes, self.kind.name())?;
-        self.method.prepare(&self.context, &self.primitives);
+        self.clock.begin_frame();
+        self.method.prepare(&self.context, &mut self.clock, &self.primitives);
         Ok(stats)
     }
 
@@ -182,11 +190,16 @@ impl RayEngine for GpuEngine {
 
     fn memory_usage(&self) -> usize {
         let standby = self.standby.as_ref().map_or(0, |standby| standby.engine.memory_usage());
-        self.primitives.memory_usage()
-            + self.method.memory_usage()
-            + self.slots.memory_usage()
-            + self.run.memory_usage()
-            + standby
+        self.budget().bytes() as usize + standby
+    }
+
+    fn budget(&self) -> Budget {
+        let mut budget = self.clock.budget();
+        self.primitives.hold(&mut budget);
+        self.method.hold(&mut budget);
+        budget.hold("staged rays", self.slots.memory_usage() as u64);
+        budget.hold("staged rays", self.run.memory_usage() as u64);
+        budget
     }
 
     fn notice(&self) -> Option<&str> {

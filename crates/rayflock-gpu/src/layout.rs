@@ -4,6 +4,7 @@
 //! (`src/shaders/tests.rs` reads sizes, offsets and values by naga).
 
 use bytemuck::{Pod, Zeroable};
+use glam::{Vec2, Vec3};
 
 /// `Primitive` of `shared/primitive.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -121,4 +122,112 @@ pub(crate) struct Pair {
 pub(crate) struct TileRange {
     pub(crate) first: u32,
     pub(crate) count: u32,
+}
+
+/// `FrameParams` of `frame/frame.wgsl`.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct FrameParams {
+    pub(crate) top_left: [f32; 3],
+    pub(crate) width: u32,
+    pub(crate) right: [f32; 3],
+    pub(crate) row_count: u32,
+    pub(crate) down: [f32; 3],
+    pub(crate) first_row: u32,
+    pub(crate) eye: [f32; 3],
+    pub(crate) is_parallel: u32,
+    pub(crate) zenith: [f32; 3],
+    pub(crate) sky_share: f32,
+    pub(crate) horizon: [f32; 3],
+    pub(crate) slot_count: u32,
+    pub(crate) ground: [f32; 3],
+    pub(crate) first_texture: u32,
+    pub(crate) ambient: [f32; 3],
+    pub(crate) goes_on: u32,
+    pub(crate) subpixel: [f32; 2],
+    pub(crate) first_slot: u32,
+    pub(crate) next_first_slot: u32,
+}
+
+/// Bytes of a `Path` and of a `LitPoint` of `frame/frame.wgsl`, which the device keeps to itself.
+pub(crate) const PATH_BYTES: usize = 32;
+pub(crate) const POINT_BYTES: usize = 96;
+
+/// `Attributes` of `frame/surface_point.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Attributes {
+    pub(crate) normal_a: [f32; 3],
+    pub(crate) material: u32,
+    pub(crate) normal_b: [f32; 3],
+    pub(crate) flags: u32,
+    pub(crate) normal_c: [f32; 3],
+    pub(crate) unused_a: u32,
+    pub(crate) color_a: [f32; 3],
+    pub(crate) unused_b: u32,
+    pub(crate) color_b: [f32; 3],
+    pub(crate) unused_c: u32,
+    pub(crate) color_c: [f32; 3],
+    pub(crate) unused_d: u32,
+    pub(crate) uv_a: [f32; 2],
+    pub(crate) uv_b: [f32; 2],
+    pub(crate) uv_c: [f32; 2],
+    pub(crate) unused_e: [u32; 2],
+}
+
+impl Attributes {
+    /// Of corners with these normals, colours and texture coordinates.
+    pub(crate) fn new(normals: [Vec3; 3], colors: [Vec3; 3], uvs: [Vec2; 3]) -> Self {
+        let [normal_a, normal_b, normal_c] = normals.map(|normal| normal.to_array());
+        let [color_a, color_b, color_c] = colors.map(|color| color.to_array());
+        let [uv_a, uv_b, uv_c] = uvs.map(|uv| uv.to_array());
+        Self {
+            normal_a,
+            normal_b,
+            normal_c,
+            color_a,
+            color_b,
+            color_c,
+            uv_a,
+            uv_b,
+            uv_c,
+            ..Self::default()
+        }
+    }
+}
+
+/// `Light` of `frame/light.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct DeviceLight {
+    pub(crate) position: [f32; 3],
+    pub(crate) kind: u32,
+    pub(crate) direction: [f32; 3],
+    pub(crate) is_constant: u32,
+    pub(crate) intensity: [f32; 3],
+    pub(crate) cos_inner: f32,
+    pub(crate) cos_outer: f32,
+    pub(crate) sample_idx: u32,
+    pub(crate) sample_count: u32,
+    pub(crate) emitter_count: u32,
+}
+
+/// `POINT`, `DIRECTIONAL`, `SPOT` and `EMITTERS` of `frame/light.wgsl`.
+pub(crate) const POINT: u32 = 0;
+pub(crate) const DIRECTIONAL: u32 = 1;
+pub(crate) const SPOT: u32 = 2;
+pub(crate) const EMITTERS: u32 = 3;
+
+/// `Emitter` of `frame/light.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct DeviceEmitter {
+    pub(crate) a: [f32; 3],
+    pub(crate) kind: u32,
+    pub(crate) b: [f32; 3],
+    pub(crate) weight: f32,
+    pub(crate) c: [f32; 3],
+    pub(crate) cumulative: f32,
+    pub(crate) radiance: [f32; 3],
+    pub(crate) unused: u32,
 }

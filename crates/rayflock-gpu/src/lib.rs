@@ -1,4 +1,4 @@
-//! Rayflock's ray engines on the graphics card.
+//! Rayflock's ray engines and a renderer of whole frames, on the graphics card.
 //!
 //! They answer what the engines of [`rayflock_engine`] answer, by the same trait, on whatever
 //! wgpu finds: Vulkan, Metal or DX12, cards or software. Distances agree with those of the CPU
@@ -14,6 +14,7 @@
 //! |---|---|
 //! | [`GpuEngineSpec`] | you have the name of an engine: `gpu:brute`, `gpu:brute@1` |
 //! | [`GpuEngine`] | you want hits |
+//! | [`GpuRenderer`] | you want pictures, and nothing on its way back before they are done |
 //! | [`GpuContext`] | several engines share a device |
 //! | [`list_adapters`] | you want to know what there is |
 //!
@@ -36,9 +37,11 @@ mod compute;
 mod context;
 mod engine;
 mod error;
+mod frame;
 mod kind;
 mod layout;
 mod method;
+mod pass;
 mod pipeline;
 mod primitives;
 mod raster;
@@ -46,6 +49,7 @@ mod ray_textures;
 mod shaders;
 mod slots;
 mod sort_rays;
+mod stage_clock;
 mod standby;
 #[cfg(test)]
 mod testing;
@@ -56,4 +60,5 @@ pub use adapter::{AdapterChoice, AdapterSummary, list_adapters};
 pub use context::GpuContext;
 pub use engine::GpuEngine;
 pub use error::GpuError;
+pub use frame::GpuRenderer;
 pub use kind::{GpuEngineKind, GpuEngineSpec};

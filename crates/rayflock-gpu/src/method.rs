@@ -3,8 +3,11 @@
 use std::fmt::Debug;
 use std::ops::Add;
 
+use rayflock_engine::Budget;
+
 use crate::primitives::PrimitiveStore;
 use crate::slots::Run;
+use crate::stage_clock::StageClock;
 use crate::{GpuContext, GpuError};
 
 /// What is asked about each ray.
@@ -12,7 +15,7 @@ use crate::{GpuContext, GpuError};
 pub(crate) enum Question {
     /// The nearest hit.
     Closest = 0,
-    /// Whether there is any: `QUESTION_OCCLUDED` of `compute/params.wgsl`.
+    /// Whether there is any: `QUESTION_OCCLUDED` of `shared/question.wgsl`.
     Occluded = 1,
 }
 
@@ -45,7 +48,12 @@ impl Add for TestCounts {
 /// A way to find hits on a device.
 pub(crate) trait Method: Debug + Send {
     /// The primitives have changed.
-    fn prepare(&mut self, context: &GpuContext, primitives: &PrimitiveStore);
+    fn prepare(
+        &mut self,
+        context: &GpuContext,
+        clock: &mut StageClock,
+        primitives: &PrimitiveStore,
+    );
 
     /// Replaces entries of `run.hits` by nearer hits; for [`Question::Occluded`] by any.
     ///
@@ -54,11 +62,12 @@ pub(crate) trait Method: Debug + Send {
     fn trace(
         &mut self,
         context: &GpuContext,
+        clock: &mut StageClock,
         primitives: &PrimitiveStore,
         run: &mut Run,
         question: Question,
     ) -> Result<TestCounts, GpuError>;
 
-    /// Bytes held, on either side.
-    fn memory_usage(&self) -> usize;
+    /// Tells what is held, on either side.
+    fn hold(&self, budget: &mut Budget);
 }

@@ -9,41 +9,54 @@ use wgpu::{
 use crate::GpuContext;
 use crate::shaders::Shader;
 
+/// A program that is ready to run, and its name.
+#[derive(Debug)]
+pub(crate) struct Stage<Pipeline> {
+    pub(crate) name: &'static str,
+    pub(crate) pipeline: Pipeline,
+}
+
+pub(crate) type ComputeStage = Stage<ComputePipeline>;
+pub(crate) type DrawStage = Stage<RenderPipeline>;
+
 /// A stage that computes: the entry point has the name of the file.
 pub(crate) fn compute_stage(
     context: &GpuContext,
     shader: Shader,
     constants: &[(&str, f64)],
-) -> ComputePipeline {
+) -> ComputeStage {
     let options = PipelineCompilationOptions { constants, ..Default::default() };
-    context.device.create_compute_pipeline(&ComputePipelineDescriptor {
+    let pipeline = context.device.create_compute_pipeline(&ComputePipelineDescriptor {
         label: Some(shader.name),
         layout: None,
         module: &module(context, shader),
         entry_point: None,
         compilation_options: options,
         cache: None,
-    })
+    });
+    Stage { name: shader.name, pipeline }
 }
 
 /// A stage that draws to `targets`.
 pub(crate) fn draw_stage(
     context: &GpuContext,
     shader: Shader,
+    constants: &[(&str, f64)],
     buffers: &[Option<VertexBufferLayout<'_>>],
     targets: &[TextureFormat],
     depth_stencil: Option<DepthStencilState>,
-) -> RenderPipeline {
+) -> DrawStage {
     let module = module(context, shader);
+    let options = PipelineCompilationOptions { constants, ..Default::default() };
     let targets: Vec<_> =
         targets.iter().map(|&format| Some(ColorTargetState::from(format))).collect();
-    context.device.create_render_pipeline(&RenderPipelineDescriptor {
+    let pipeline = context.device.create_render_pipeline(&RenderPipelineDescriptor {
         label: Some(shader.name),
         layout: None,
         vertex: VertexState {
             module: &module,
             entry_point: None,
-            compilation_options: PipelineCompilationOptions::default(),
+            compilation_options: options.clone(),
             buffers,
         },
         primitive: Default::default(),
@@ -52,12 +65,13 @@ pub(crate) fn draw_stage(
         fragment: Some(FragmentState {
             module: &module,
             entry_point: None,
-            compilation_options: PipelineCompilationOptions::default(),
+            compilation_options: options,
             targets: &targets,
         }),
         multiview_mask: None,
         cache: None,
-    })
+    });
+    Stage { name: shader.name, pipeline }
 }
 
 /// As many workgroups at least, in two dimensions: one holds at most 65535.

@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use rayflock_engine::{CommitStats, EngineError};
+use rayflock_engine::{Budget, CommitStats, EngineError};
 use rayflock_geom::{
     FrameChanges, Geometry, GeometryObject, ObjectChange, ObjectId, PrimId, is_degenerate_triangle,
     transform_point, transform_sphere,
@@ -130,10 +130,16 @@ impl PrimitiveStore {
         (span.object_id, PrimId((rank - span.ranks.start) as u32))
     }
 
-    /// Bytes held, on either side.
-    pub(crate) fn memory_usage(&self) -> usize {
-        let host = self.prims.capacity() * size_of::<DevicePrimitive>();
-        host + self.parts.iter().map(|part| part.size() as usize).sum::<usize>()
+    /// Tells what is held, on either side.
+    pub(crate) fn hold(&self, budget: &mut Budget) {
+        let staged = self.prims.capacity() * size_of::<DevicePrimitive>();
+        budget.hold("staged primitives", staged as u64);
+        self.parts.iter().for_each(|part| part.hold(budget));
+    }
+
+    /// The ranks of each object.
+    pub(crate) fn ranks(&self) -> impl Iterator<Item = Range<usize>> {
+        self.spans.iter().map(|span| span.ranks.clone())
     }
 
     /// Gives objects their ranks; returns whether they had the same before.

@@ -1,32 +1,33 @@
 //! Rays in textures and the target that keeps their nearest hits, for the engines that draw.
 //!
 //! ```text
-//!   tile k of 8 x 8 texels at (k % 64, k / 64); slot s is the texel (s % 8, s / 8 % 8) of the
-//!   tile s / 64
+//!   tile k of 8 x 8 texels at (k % 64, k / 64); slot s is in the tile s / 64, whose texels follow
+//!   a Morton curve, so that tiles of 4 x 4 and of 2 x 2 texels are consecutive slots too
 //! ```
 //!
 //! **Cost.** On the device 56 bytes a texel for 512 x 512 texels; on the host 36 bytes a texel for
 //! the most rows that were sent at a time.
 
+use rayflock_engine::Budget;
 use wgpu::{
     Color, CommandEncoder, CommandEncoderDescriptor, CompareFunction, DepthStencilState, Extent3d,
     LoadOp, Operations, RenderPass, RenderPassColorAttachment, RenderPassDepthStencilAttachment,
-    RenderPassDescriptor, StoreOp, TexelCopyBufferInfo, TexelCopyBufferLayout,
-    TexelCopyTextureInfo, Texture, TextureDescriptor, TextureDimension, TextureFormat,
-    TextureUsages, TextureView, VertexAttribute, VertexBufferLayout, VertexStepMode,
+    RenderPassDescriptor, RenderPassTimestampWrites, StoreOp, TexelCopyBufferInfo,
+    TexelCopyBufferLayout, TexelCopyTextureInfo, Texture, TextureDescriptor, TextureDimension,
+    TextureFormat, TextureUsages, TextureView, VertexAttribute, VertexBufferLayout, VertexStepMode,
     vertex_attr_array,
 };
 
 use crate::buffer::ReadBack;
 use crate::layout::{DeviceHit, DevicePrimitive, DeviceRay, NO_RANK};
-use crate::slots::{RUN_SLOTS, TILE_RAYS};
+use crate::slots::{RUN_SLOTS, TILE_RAYS, place_in_tile};
 use crate::{GpuContext, GpuError};
 
-/// As in `shared/tiles.wgsl`.
-pub(crate) const TILE_EDGE: usize = 8;
+/// Texels along the side of a tile, and tiles along that of a texture.
+const TILE_EDGE: usize = 8;
 pub(crate) const TILES_PER_ROW: usize = 64;
 
-/// Texels along the side of a texture.
+/// Texels along the side of a texture, as in `shared/tiles.wgsl`.
 pub(crate) const EDGE: usize = TILE_EDGE * TILES_PER_ROW;
 const _: () = assert!(EDGE * EDGE == RUN_SLOTS && TILE_EDGE * TILE_EDGE == TILE_RAYS);
 
@@ -133,7 +134,12 @@ impl RayTextures {
     }
 
     /// Begins to draw hits, after those that are there unless it is the `first` time.
-    pub(crate) fn begin<'a>(&self, encoder: &'a mut CommandEncoder, first: bool) -> RenderPass<'a> {
+    pub(crate) fn begin<'a>(
+        &self,
+        encoder: &'a mut CommandEncoder,
+        timestamp_writes: Option<RenderPassTimestampWrites<'_>>,
+        first: bool,
+    ) -> RenderPass<'a> {
         let none = f64::from(NO_RANK);
         let clear = Color { r: 0.0, g: 0.0, b: 0.0, a: none };
         let view = |texture: &Texture| texture.create_view(&Default::default());
@@ -150,6 +156,7 @@ impl RayTextures {
                 depth_ops: Some(Operations { load: load_or(first, 1.0), store: StoreOp::Store }),
                 stencil_ops: None,
             }),
+            timestamp_writes,
             ..Default::default()
         })
     }
@@ -186,10 +193,12 @@ impl RayTextures {
         })
     }
 
-    /// Bytes held, on either side.
-    pub(crate) fn memory_usage(&self) -> usize {
-        let textures = EDGE * EDGE * (3 * 16 + 2 * 4);
-        textures + self.staged.memory_usage()
+    /// Tells what is held, on either side.
+    pub(crate) fn hold(&self, budget: &mut Budget) {
+        let texels = (EDGE * EDGE) as u64;
+        budget.hold("ray textures", texels * (2 * 16 + 4));
+        budget.hold("hit textures", texels * (16 + 4));
+        budget.hold("staged rays", self.staged.memory_usage() as u64);
     }
 }
 
@@ -221,8 +230,9 @@ pub(crate) const fn rows(slot_count: usize) -> usize {
 /// Where a slot is, row by row.
 const fn texel_of(slot: usize) -> usize {
     let (tile, place) = (slot / TILE_RAYS, slot % TILE_RAYS);
-    let x = tile % TILES_PER_ROW * TILE_EDGE + place % TILE_EDGE;
-    let y = tile / TILES_PER_ROW * TILE_EDGE + place / TILE_EDGE;
+    let [column, row] = place_in_tile(place);
+    let x = tile % TILES_PER_ROW * TILE_EDGE + column;
+    let y = tile / TILES_PER_ROW * TILE_EDGE + row;
     y * EDGE + x
 }
 
@@ -242,7 +252,8 @@ fn layout(row_bytes: usize) -> TexelCopyBufferLayout {
     TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes as u32), rows_per_image: None }
 }
 
-fn whole(texture: &Texture) -> TexelCopyTextureInfo<'_> {
+/// All of a texture, to be copied.
+pub(crate) fn whole(texture: &Texture) -> TexelCopyTextureInfo<'_> {
     TexelCopyTextureInfo {
         texture,
         mip_level: 0,
@@ -266,7 +277,7 @@ mod tests {
         for slot in 0..RUN_SLOTS {
             assert!(!std::mem::replace(&mut taken[texel_of(slot)], true));
         }
-        assert_eq!((texel_of(65), texel_of(64 * 64)), (9, 8 * EDGE));
+        assert_eq!((texel_of(65), texel_of(66), texel_of(64 * 64)), (9, 8 + EDGE, 8 * EDGE));
         assert_eq!((rows(64), rows(64 * 64), rows(64 * 64 + 64)), (8, 8, 16));
     }
 }

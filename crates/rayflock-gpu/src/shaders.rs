@@ -73,10 +73,57 @@ pub(crate) const TRACE_TILE: Shader = shader!(
     "compute/trace_tile",
     "shared/primitive",
     "shared/ray",
+    "shared/question",
     "shared/limits",
     "shared/intersect",
     "shared/cone",
     "compute/params"
+);
+pub(crate) const CAMERA_RAYS: Shader = shader!(
+    "frame/camera_rays",
+    "shared/primitive",
+    "shared/ray",
+    "shared/limits",
+    "shared/intersect",
+    "frame/frame"
+);
+pub(crate) const BEGIN_WAVE: Shader = shader!(
+    "frame/begin_wave",
+    "shared/primitive",
+    "shared/ray",
+    "shared/intersect",
+    "frame/frame"
+);
+pub(crate) const SHADE_SURFACE: Shader = shader!(
+    "frame/shade_surface",
+    "shared/primitive",
+    "shared/ray",
+    "shared/limits",
+    "shared/intersect",
+    "frame/frame",
+    "frame/surface_point",
+    "frame/scatter"
+);
+pub(crate) const ADD_EMITTED: Shader =
+    shader!("frame/add_emitted", "shared/ray", "frame/frame", "frame/film");
+pub(crate) const SHADOW_RAYS: Shader = shader!(
+    "frame/shadow_rays",
+    "shared/primitive",
+    "shared/ray",
+    "shared/limits",
+    "shared/intersect",
+    "frame/frame",
+    "frame/light"
+);
+pub(crate) const ADD_LIT: Shader = shader!(
+    "frame/add_lit",
+    "shared/primitive",
+    "shared/ray",
+    "shared/limits",
+    "shared/intersect",
+    "frame/frame",
+    "frame/film",
+    "frame/light"
 );
 
 /// Every program.
@@ -95,6 +142,12 @@ pub(crate) const ALL: &[Shader] = &[
     PLAN_LISTS,
     FILL_LISTS,
     TRACE_TILE,
+    CAMERA_RAYS,
+    BEGIN_WAVE,
+    SHADE_SURFACE,
+    ADD_EMITTED,
+    SHADOW_RAYS,
+    ADD_LIT,
 ];
 
 #[cfg(test)]

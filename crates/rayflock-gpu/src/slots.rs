@@ -1,7 +1,8 @@
 //! Brings the rays of a batch into slots: 64 consecutive ones are a tile.
 //!
 //! ```text
-//!   Image       tiles of 8 x 8 pixels along a Morton curve, cropped ones filled up
+//!   Image       tiles of 8 x 8 pixels along a Morton curve, as their pixels are; cropped ones
+//!               filled up
 //!   otherwise   sorted by direction and origin
 //! ```
 //!
@@ -90,11 +91,20 @@ impl Slots {
         tiles.sort_by_cached_key(|&(x, y)| interleave(x) | (interleave(y) << 1));
         for (x, y) in tiles {
             for place in 0..TILE_RAYS {
-                let pixel = (x * TILE_EDGE + place % TILE_EDGE, y * TILE_EDGE + place / TILE_EDGE);
+                let [column, row] = place_in_tile(place);
+                let pixel = (x * TILE_EDGE + column, y * TILE_EDGE + row);
                 self.ray_idx.push(image.ray_at(pixel).map_or(NO_RAY, |idx| idx as u32));
             }
         }
     }
+}
+
+/// Column and row in a tile of 8 x 8: places follow a Morton curve.
+pub(crate) const fn place_in_tile(place: usize) -> [usize; 2] {
+    const fn every_other(bits: usize) -> usize {
+        (bits & 1) | ((bits >> 1) & 2) | ((bits >> 2) & 4)
+    }
+    [every_other(place), every_other(place >> 1)]
 }
 
 /// The pixels of an image batch.

@@ -20,6 +20,9 @@ pub(crate) enum Twin {
 const BY_ANSWER: &str = "what it finds is compared with the engine `brute` of the CPU and judged by \
                          the oracle (tests/suite/agreement.rs)";
 
+const BY_PICTURE: &str = "the stage of this name of the renderer on the CPU (rayflock-render); pictures of \
+                          both are compared (tests/suite/frames.rs)";
+
 /// Every stage.
 pub(crate) const TWINS: &[(&str, Twin)] = &[
     ("brute/cross", Twin::Elsewhere(BY_ANSWER)),
@@ -46,6 +49,23 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
     ("compute/plan_lists", Twin::Here),
     ("compute/fill_lists", Twin::Elsewhere("the lists that `refine` makes")),
     ("compute/trace_tile", Twin::Elsewhere(BY_ANSWER)),
+    ("frame/camera_rays", Twin::Elsewhere(BY_PICTURE)),
+    (
+        "frame/begin_wave",
+        Twin::Elsewhere("what is left of the rays of the wave before is not to be seen"),
+    ),
+    ("frame/shade_surface", Twin::Elsewhere(BY_PICTURE)),
+    (
+        "frame/add_emitted",
+        Twin::Elsewhere(
+            "the stage `accumulate` of the renderer, as far as it needs no shadow rays",
+        ),
+    ),
+    ("frame/shadow_rays", Twin::Elsewhere(BY_PICTURE)),
+    (
+        "frame/add_lit",
+        Twin::Elsewhere("the stage `accumulate` of the renderer, for what shadow rays decide"),
+    ),
 ];
 
 /// A sphere: centre and radius; a negative radius where there is nothing.

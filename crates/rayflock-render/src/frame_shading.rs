@@ -12,10 +12,11 @@ use rayflock_scene::{
     Background, Material, MaterialIdx, PrimMaterials, Scene, SceneFrame, SurfaceMesh, Texture,
 };
 
-use crate::RenderError;
 use crate::lights::Lights;
+use crate::shading::background::DEFAULT_SKY;
 use crate::shading::surface_point::SurfacePoint;
 use crate::shading::texture::bilinear;
+use crate::{RenderError, RenderSettings};
 
 /// What stages need to know about a frame besides the geometry, which the engine has.
 #[derive(Debug)]
@@ -81,6 +82,11 @@ impl FrameShading {
     /// The material at `idx`.
     pub(crate) fn material(&self, idx: MaterialIdx) -> &Material {
         &self.materials[idx.0 as usize]
+    }
+
+    /// What rays of a picture see that hit nothing.
+    pub(crate) fn background_of(&self, settings: &RenderSettings) -> Background {
+        settings.background.or(self.background).unwrap_or(DEFAULT_SKY)
     }
 
     /// Whether any material sends out light.

@@ -6,6 +6,7 @@
 //! | [`PathTracer`] | you want all light there is, and can wait for it |
 //! | [`mod@reference`] | you check a renderer: slow, plain, one ray at a time |
 //! | [`FrameRenderer`] | your code takes any renderer of frames |
+//! | [`prepared`] | your renderer shades elsewhere, as on a graphics device |
 //! | [`tonemap`] | you show or store a [`Film`] |
 //! | [`vpl`] | you want indirect light: virtual lights, and what points see of them |
 //! | [`occluders`] | you want to know nearly, and soon, how much is in the way: spheres for geometry |
@@ -55,10 +56,12 @@
 mod error;
 mod film;
 mod frame_shading;
+mod lens;
 pub mod lightcuts;
 mod lights;
 pub mod occluders;
 mod path_tracer;
+pub mod prepared;
 pub mod reference;
 mod renderer;
 pub mod sensor;
@@ -76,6 +79,7 @@ mod whitted;
 
 pub use error::RenderError;
 pub use film::Film;
+pub use lens::{FilmPlane, Lens};
 pub use path_tracer::PathTracer;
 pub use renderer::FrameRenderer;
 pub use settings::{Indirect, RenderSettings};

@@ -10,8 +10,10 @@ use glam::Vec3;
 use rayflock_geom::Geometry;
 use rayflock_scene::LightKind;
 
+use crate::View;
 use crate::frame_shading::FrameShading;
 use emitters::Emitters;
+use key_light::key_light;
 
 /// Everything that lights a frame.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +40,15 @@ impl Lights {
     /// Whether nothing lights the frame but ambient light, so that the default lights do.
     pub(crate) fn are_missing(&self) -> bool {
         self.lights.is_empty() && self.emitters.is_empty()
+    }
+
+    /// The lights of a picture: in scenes without any, the key light.
+    pub(crate) fn seen_from(&self, view: &View) -> Vec<LightKind> {
+        if self.are_missing() {
+            vec![key_light(&view.world_from_camera)]
+        } else {
+            self.lights.clone()
+        }
     }
 
     pub(crate) fn memory_usage(&self) -> usize {

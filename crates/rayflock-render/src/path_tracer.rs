@@ -24,7 +24,7 @@
 use std::ops::Range;
 
 use rayflock_engine::auto::Choice;
-use rayflock_engine::{CommitStats, Fact, RayEngine};
+use rayflock_engine::{Budget, CommitStats, Fact, RayEngine};
 use rayflock_geom::HitBuffer;
 use rayflock_scene::{LightKind, Scene, SceneFrame};
 use tracing::debug_span;
@@ -128,6 +128,10 @@ impl FrameRenderer for PathTracer {
 
     fn facts(&self) -> Vec<Fact> {
         self.engine.facts()
+    }
+
+    fn budget(&self) -> Budget {
+        self.engine.budget()
     }
 
     fn notice(&self) -> Option<&str> {

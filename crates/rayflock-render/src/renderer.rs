@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 
 use rayflock_engine::auto::Choice;
-use rayflock_engine::{CommitStats, Fact};
+use rayflock_engine::{Budget, CommitStats, Fact};
 use rayflock_scene::{Scene, SceneFrame};
 
 use crate::{Film, FrameStats, RenderError, RenderSettings, View};
@@ -37,6 +37,12 @@ pub trait FrameRenderer: Debug + Send {
     /// Numbers about what the engine holds that only this engine has.
     fn facts(&self) -> Vec<Fact> {
         Vec::new()
+    }
+
+    /// What stages on a device took since the last commit, and what is held there; empty where no
+    /// device is at work.
+    fn budget(&self) -> Budget {
+        Budget::default()
     }
 
     /// What the user should hear of, though the picture is right.

@@ -18,13 +18,12 @@
 use std::ops::Range;
 
 use rayflock_engine::auto::Choice;
-use rayflock_engine::{CommitStats, Fact, RayEngine};
+use rayflock_engine::{Budget, CommitStats, Fact, RayEngine};
 use rayflock_geom::{Aabb, HitBuffer};
 use rayflock_scene::{Background, LightKind, Scene, SceneFrame};
 use tracing::debug_span;
 
 use crate::frame_shading::FrameShading;
-use crate::lights::key_light::key_light;
 use crate::shading::background::{self, DEFAULT_SKY};
 use crate::stages::accumulate::BandSums;
 use crate::stages::camera_rays::{TILE, camera_rays};
@@ -166,6 +165,10 @@ impl FrameRenderer for WhittedRenderer {
         self.engine.facts()
     }
 
+    fn budget(&self) -> Budget {
+        self.engine.budget()
+    }
+
     fn notice(&self) -> Option<&str> {
         self.engine.notice()
     }
@@ -203,17 +206,11 @@ pub(crate) fn render_background(
 
 impl<'a> Picture<'a> {
     fn new(frame: &'a FrameShading, diagonal: f32, view: &View, settings: RenderSettings) -> Self {
-        let sky_lights = frame.lights.are_missing();
-        let lights = if sky_lights {
-            vec![key_light(&view.world_from_camera)]
-        } else {
-            frame.lights.lights.clone()
-        };
-        let background = settings.background.or(frame.background).unwrap_or(DEFAULT_SKY);
+        let lights = frame.lights.seen_from(view);
         let surroundings = Surroundings {
             frame,
-            background,
-            sky_lights,
+            background: frame.background_of(&settings),
+            sky_lights: frame.lights.are_missing(),
             indirect: settings.indirect != Indirect::Off,
             depth: settings.depth,
         };

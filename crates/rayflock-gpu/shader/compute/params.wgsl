@@ -10,8 +10,6 @@ const FAN_OUT: u32 = 16u;
 const FIRST_NODE: u32 = 4096u;
 const FIRST_ROOT: u32 = 4352u;
 
-const QUESTION_OCCLUDED: u32 = 1u;
-
 struct Params {
     tile_count: u32,
     chunk_count: u32,

@@ -176,8 +176,7 @@ fn meet_primitives(tracer: ptr<function, Tracer>, prim_count: u32, lane: u32) {
 
 fn meet_primitive(tracer: ptr<function, Tracer>, prim: Primitive) {
     let found = intersect((*tracer).ray, prim, (*tracer).hit.t);
-    let is_nearer = found.t < (*tracer).hit.t || prim.rank < (*tracer).hit.rank;
-    if (found.accepted && is_nearer) {
+    if (is_nearer(found, prim.rank, (*tracer).hit)) {
         (*tracer).hit = Hit(found.t, found.u, found.v, prim.rank);
         (*tracer).is_active = params.question != QUESTION_OCCLUDED;
     }

@@ -125,3 +125,8 @@ fn intersect(ray: PreparedRay, prim: Primitive, t_max: f32) -> Outcome {
     }
     return intersect_triangle(ray, prim, t_max);
 }
+
+// Whether what a test found takes the place of the nearest hit so far, which it was bounded by.
+fn is_nearer(found: Outcome, rank: u32, nearest: Hit) -> bool {
+    return found.accepted && (found.t < nearest.t || rank < nearest.rank);
+}

@@ -1,4 +1,6 @@
-// Where tiles of rays lie in textures; `ray_textures` has the same numbers.
+// Where tiles of rays lie in textures; `ray_textures` has the same number.
 
-const TILE_EDGE: u32 = 8u;
-const TILES_PER_ROW: u32 = 64u;
+// Texels along the side of a texture.
+const EDGE: u32 = 512u;
+// Texels along the side of a tile.
+override TILE_EDGE: u32;

@@ -1,5 +1,6 @@
 //! What the stages hand to each other.
 
+use rayflock_engine::Budget;
 use wgpu::{BindingResource, Buffer, BufferUsages, CommandEncoder};
 
 use super::{FAN_OUT, FIRST_ROOT};
@@ -126,10 +127,6 @@ impl Buffers {
         part_of(self.ranges.buffer(), TILES * size_of::<TileRange>())
     }
 
-    pub(super) fn hits(&self) -> BindingResource<'_> {
-        self.hits.buffer().as_entire_binding()
-    }
-
     pub(super) fn list(&self) -> BindingResource<'_> {
         part_of(self.list.buffer(), self.pair_capacity * size_of::<u32>())
     }
@@ -149,6 +146,10 @@ impl Buffers {
         self.dispatch[level].buffer()
     }
 
+    pub(super) fn counter_buffer(&self) -> &Buffer {
+        self.counters.buffer()
+    }
+
     #[cfg(test)]
     pub(super) fn cone_buffer(&self) -> &Buffer {
         self.cones.buffer()
@@ -164,8 +165,8 @@ impl Buffers {
         self.list.buffer()
     }
 
-    /// Bytes held.
-    pub(super) fn memory_usage(&self) -> usize {
+    /// Tells what is held.
+    pub(super) fn hold(&self, budget: &mut Budget) {
         let [even, odd] = &self.pairs;
         let all = [
             &self.rays,
@@ -178,7 +179,7 @@ impl Buffers {
             &self.ranges,
             &self.list,
         ];
-        let bytes: u64 = all.into_iter().chain(&self.dispatch).map(GrowingBuffer::size).sum();
-        (bytes + self.read_back.size()) as usize
+        all.into_iter().chain(&self.dispatch).for_each(|buffer| buffer.hold(budget));
+        self.read_back.hold(budget);
     }
 }

@@ -1,27 +1,25 @@
 //! The stages, ready to run.
 
-use wgpu::ComputePipeline;
-
 use super::{FIRST_NODE, FIRST_ROOT};
 use crate::GpuContext;
-use crate::pipeline::compute_stage;
+use crate::pipeline::{ComputeStage, compute_stage};
 use crate::shaders;
 
 /// The stages, ready to run.
 #[derive(Debug)]
 pub(super) struct Stages {
-    pub(super) bound_chunks: ComputePipeline,
-    pub(super) bound_tiles: ComputePipeline,
-    pub(super) bound_nodes: ComputePipeline,
-    pub(super) bound_roots: ComputePipeline,
-    pub(super) seed_pairs: ComputePipeline,
+    pub(super) bound_chunks: ComputeStage,
+    pub(super) bound_tiles: ComputeStage,
+    pub(super) bound_nodes: ComputeStage,
+    pub(super) bound_roots: ComputeStage,
+    pub(super) seed_pairs: ComputeStage,
     /// For the pairs of roots, of nodes and of tiles.
-    pub(super) plan_dispatch: [ComputePipeline; 3],
-    pub(super) refine_roots: ComputePipeline,
-    pub(super) refine_nodes: ComputePipeline,
-    pub(super) plan_lists: ComputePipeline,
-    pub(super) fill_lists: ComputePipeline,
-    pub(super) trace_tile: ComputePipeline,
+    pub(super) plan_dispatch: [ComputeStage; 3],
+    pub(super) refine_roots: ComputeStage,
+    pub(super) refine_nodes: ComputeStage,
+    pub(super) plan_lists: ComputeStage,
+    pub(super) fill_lists: ComputeStage,
+    pub(super) trace_tile: ComputeStage,
 }
 
 impl Stages {

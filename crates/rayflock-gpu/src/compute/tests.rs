@@ -12,6 +12,7 @@ use crate::layout::{Cone, DeviceHit, TileRange};
 use crate::method::{Method, Question};
 use crate::primitives::PrimitiveStore;
 use crate::slots::{Run, Slots};
+use crate::stage_clock::StageClock;
 use crate::testing::{contexts, near, read};
 use crate::twins;
 
@@ -25,11 +26,13 @@ fn trace(
     let mut primitives = PrimitiveStore::default();
     primitives.commit(context, geometry, &FrameChanges::all(), "gpu:compute").unwrap();
     let mut compute = Compute::with_capacity(context, 64, most);
-    compute.prepare(context, &primitives);
+    let mut clock = StageClock::new(context);
+    compute.prepare(context, &mut clock, &primitives);
     let (mut slots, mut run) = (Slots::default(), Run::default());
     slots.assign(batch);
     run.fill(batch, &slots, 0, &|_| f32::INFINITY);
-    let counts = compute.trace(context, &primitives, &mut run, Question::Closest).unwrap();
+    let counts =
+        compute.trace(context, &mut clock, &primitives, &mut run, Question::Closest).unwrap();
     let mut hits = vec![DeviceHit::none_before(f32::INFINITY); batch.len()];
     for (place, ray_idx) in run.ray_places(&slots) {
         hits[ray_idx] = run.hits[place];
@@ -75,11 +78,12 @@ fn check_stages(context: &GpuContext) {
     let mut primitives = PrimitiveStore::default();
     primitives.commit(context, &geometry, &FrameChanges::all(), "gpu:compute").unwrap();
     let mut compute = Compute::new(context);
-    compute.prepare(context, &primitives);
+    let mut clock = StageClock::new(context);
+    compute.prepare(context, &mut clock, &primitives);
     let (mut slots, mut run) = (Slots::default(), Run::default());
     slots.assign(&batch);
     run.fill(&batch, &slots, 0, &|_| f32::INFINITY);
-    compute.trace(context, &primitives, &mut run, Question::Closest).unwrap();
+    compute.trace(context, &mut clock, &primitives, &mut run, Question::Closest).unwrap();
 
     // The last one is not full.
     let chunk_count = 2500_usize.div_ceil(CHUNK_PRIMS);

@@ -9,12 +9,14 @@ use naga::{Expression, Literal, Module, TypeInner};
 
 use super::{ALL, Shader};
 use crate::compute::{CHUNK_PRIMS, FAN_OUT, FIRST_NODE, FIRST_ROOT};
+use crate::frame::{FOLLOWED, HAS_NORMALS, HAS_UVS, IS_MIRRORED, MIRRORED, SHADOW};
 use crate::layout::{
-    Cone, Counters, DeviceHit, DevicePrimitive, DeviceRay, NO_RANK, Pair, Params, SPHERE, TRIANGLE,
-    TileRange,
+    Attributes, Cone, Counters, DIRECTIONAL, DeviceEmitter, DeviceHit, DeviceLight,
+    DevicePrimitive, DeviceRay, EMITTERS, FrameParams, NO_RANK, PATH_BYTES, POINT, POINT_BYTES,
+    Pair, Params, SPHERE, SPOT, TRIANGLE, TileRange,
 };
 use crate::method::Question;
-use crate::ray_textures::{TILE_EDGE, TILES_PER_ROW};
+use crate::ray_textures::EDGE;
 use crate::slots::TILE_RAYS;
 
 fn parse(shader: &Shader) -> Module {
@@ -109,6 +111,70 @@ fn host_and_device_agree_about_every_byte() {
     assert_mirrors!("TileRange", TileRange, first, count);
 }
 
+#[test]
+fn host_and_device_agree_about_every_byte_of_a_picture() {
+    assert_mirrors!(
+        "FrameParams",
+        FrameParams,
+        top_left,
+        width,
+        right,
+        row_count,
+        down,
+        first_row,
+        eye,
+        is_parallel,
+        zenith,
+        sky_share,
+        horizon,
+        slot_count,
+        ground,
+        first_texture,
+        ambient,
+        goes_on,
+        subpixel,
+        first_slot,
+        next_first_slot
+    );
+    assert_mirrors!(
+        "Attributes",
+        Attributes,
+        normal_a,
+        material,
+        normal_b,
+        flags,
+        normal_c,
+        unused_a,
+        color_a,
+        unused_b,
+        color_b,
+        unused_c,
+        color_c,
+        unused_d,
+        uv_a,
+        uv_b,
+        uv_c,
+        unused_e
+    );
+    assert_mirrors!(
+        "Light",
+        DeviceLight,
+        position,
+        kind,
+        direction,
+        is_constant,
+        intensity,
+        cos_inner,
+        cos_outer,
+        sample_idx,
+        sample_count,
+        emitter_count
+    );
+    assert_mirrors!("Emitter", DeviceEmitter, a, kind, b, weight, c, cumulative, radiance, unused);
+    let spans = ["Path", "LitPoint"].map(|name| structure(name).0 as usize);
+    assert_eq!(spans, [PATH_BYTES, POINT_BYTES]);
+}
+
 /// Names and values of the whole numbers that programs state.
 fn numbers() -> BTreeSet<(String, u32)> {
     let mut found = BTreeSet::new();
@@ -131,12 +197,21 @@ fn host_and_device_have_the_same_constants() {
         ("NO_RANK", NO_RANK),
         ("QUESTION_OCCLUDED", Question::Occluded as u32),
         ("TILE_RAYS", TILE_RAYS as u32),
-        ("TILE_EDGE", TILE_EDGE as u32),
-        ("TILES_PER_ROW", TILES_PER_ROW as u32),
+        ("EDGE", EDGE as u32),
         ("CHUNK_PRIMS", CHUNK_PRIMS as u32),
         ("FAN_OUT", FAN_OUT as u32),
         ("FIRST_NODE", FIRST_NODE as u32),
         ("FIRST_ROOT", FIRST_ROOT as u32),
+        ("POINT", POINT),
+        ("DIRECTIONAL", DIRECTIONAL),
+        ("SPOT", SPOT),
+        ("EMITTERS", EMITTERS),
+        ("HAS_NORMALS", HAS_NORMALS),
+        ("HAS_UVS", HAS_UVS),
+        ("IS_MIRRORED", IS_MIRRORED),
+        ("MIRRORED", MIRRORED as u32),
+        ("FOLLOWED", FOLLOWED as u32),
+        ("SHADOW", SHADOW as u32),
     ];
     for (name, value) in expected {
         let stated = found.iter().filter(|(other, _)| other == name).map(|&(_, number)| number);

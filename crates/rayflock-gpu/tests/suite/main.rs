@@ -7,6 +7,7 @@
 
 mod agreement;
 mod device;
+mod frames;
 mod loss;
 mod pictures;
 mod scenes;

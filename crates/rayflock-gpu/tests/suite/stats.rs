@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use rayflock_engine::{EngineError, RayEngine, TraceStats};
+use rayflock_engine::{Clock, EngineError, RayEngine, StageTime, TraceStats};
 use rayflock_geom::{
     Aabb, FrameChanges, Geometry, GeometryObject, HitBuffer, Hits, Mesh, ObjectId, RayBatch, Sphere,
 };
@@ -101,5 +101,32 @@ fn user_primitives_are_refused_and_leave_an_empty_frame() {
         let mut occluded = [true; 2];
         engine.occluded(&RayBatch::new(Vec3::ZERO, &rays[..]).unwrap(), &mut occluded);
         assert_eq!(occluded, [false; 2], "{}", engine.name());
+    }
+}
+
+/// What runs on the device is told stage by stage, and of this frame alone.
+#[test]
+fn stages_and_buffers_are_told() {
+    let rays = [Vec3::X; 3];
+    let batch = RayBatch::new(Vec3::ZERO, &rays[..]).unwrap();
+    for mut engine in engines() {
+        let frame = Geometry::new(vec![ball(7, 3.0)]).unwrap();
+        for _ in 0..2 {
+            engine.commit(&frame, &FrameChanges::all()).unwrap();
+            engine.closest_hit(&batch, &mut HitBuffer::new(3).as_hits());
+            let (budget, name) = (engine.budget(), engine.name());
+            let (_, folder) = name.split_once(':').unwrap();
+            let is_own = |stage: &StageTime| match budget.clock {
+                Clock::Timestamps => stage.name.starts_with(folder),
+                Clock::Submissions => stage.name == "whole runs",
+                Clock::None => false,
+            };
+            assert!(budget.stages.iter().any(is_own), "{name}: {budget:?}");
+            let ran_once = |stage: &&StageTime| stage.name.contains("trace") && stage.runs > 1;
+            assert_eq!(budget.stages.iter().find(ran_once), None, "{name}");
+            let held = |kind: &str| budget.buffers.iter().any(|b| b.name == kind && b.bytes > 0);
+            assert!(held("primitives") && held("read back"), "{name}: {budget:?}");
+            assert_eq!(engine.memory_usage() as u64, budget.bytes(), "{name}");
+        }
     }
 }

@@ -32,16 +32,23 @@ pub(crate) struct Emitters {
     cumulative: Vec<f32>,
 }
 
+/// A primitive that emits.
 #[derive(Clone, Copy, Debug)]
-struct Emitter {
-    shape: EmitterShape,
-    radiance: Vec3,
-    weight: f32,
+pub struct Emitter {
+    /// Where it is, in world space.
+    pub shape: EmitterShape,
+    /// What it sends out.
+    pub radiance: Vec3,
+    /// How likely it is chosen, relative to the others: area times luminance.
+    pub weight: f32,
 }
 
+/// The shape of a primitive that emits.
 #[derive(Clone, Copy, Debug)]
-enum EmitterShape {
+pub enum EmitterShape {
+    /// Three corners; light leaves both sides.
     Triangle([Vec3; 3]),
+    /// A sphere, from the outside.
     Sphere(Sphere),
 }
 
@@ -108,6 +115,11 @@ impl Emitters {
         let origin = source + normal * slack(source.abs().max_element());
         let flux = emitter.radiance * (PI * emitter.shape.lit_area() * total / emitter.weight);
         (flux.is_finite() && normal != Vec3::ZERO).then_some(Leaving { origin, normal, flux })
+    }
+
+    /// All of them.
+    pub(crate) fn all(&self) -> &[Emitter] {
+        &self.emitters
     }
 
     /// Whether nothing emits.

@@ -1,0 +1,41 @@
+//! What only this renderer has: buffers that overflow between bounces.
+
+use std::sync::Arc;
+
+use rayflock_render::{Film, FrameRenderer, RenderSettings, View};
+use rayflock_scene::{Evaluator, Scene, builtin};
+
+use super::GpuRenderer;
+use crate::compute::Compute;
+use crate::testing::contexts;
+
+/// A picture, and the cone tests it took.
+fn render(renderer: &mut GpuRenderer, scene: &Arc<Scene>, time: f64) -> (Film, u64) {
+    let mut evaluator = Evaluator::new(Arc::clone(scene), None).unwrap();
+    let frame = evaluator.evaluate(time).unwrap();
+    renderer.commit(scene, frame).unwrap();
+    let view = View::new(frame.cameras[0], scene.cameras[0].projection);
+    let mut film = Film::new(40, 32);
+    let stats = renderer.render(&view, &RenderSettings::default(), &mut film);
+    assert_eq!(renderer.notice(), None);
+    (film, stats.trace.cone_tests)
+}
+
+#[test]
+fn bands_with_too_many_pairs_are_cut_and_nothing_is_dropped() {
+    let scene = Arc::new(builtin::build("museum3").unwrap());
+    for context in contexts() {
+        let mut roomy = GpuRenderer::new(context).unwrap();
+        let (expected, whole_tests) = render(&mut roomy, &scene, 2.0);
+        let few = Compute::with_capacity(context, 64, 8192);
+        let mut tight = GpuRenderer::with_compute(context, few).unwrap();
+        let (found, cut_tests) = render(&mut tight, &scene, 2.0);
+        let apart = |(a, b): (&[f32; 3], &[f32; 3])| {
+            a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-3 * (1.0 + b.abs()))
+        };
+        let differing = found.pixels().iter().zip(expected.pixels()).filter(|&p| apart(p)).count();
+        // Sums may be in another order, and a ray on an edge may turn out otherwise.
+        assert!(differing <= 5, "{differing} pixels differ");
+        assert!(cut_tests != whole_tests, "no band was cut");
+    }
+}

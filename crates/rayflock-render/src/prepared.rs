@@ -1,0 +1,64 @@
+//! A frame checked and made ready for renderers that shade elsewhere, as on a graphics device: what
+//! lights it, and what is seen where nothing is.
+//!
+//! Surfaces, materials and textures are those of the scene and the frame themselves; once they are
+//! checked, every index in them is good.
+
+use glam::{Vec2, Vec3};
+use rayflock_scene::{Background, LightKind, Scene, SceneFrame};
+
+use crate::frame_shading::FrameShading;
+pub use crate::lights::emitters::{Emitter, EmitterShape};
+use crate::lights::key_light::SKY_SHARE;
+use crate::shading::sampling::subpixel;
+use crate::{RenderError, RenderSettings, View};
+
+/// A frame whose parts fit together.
+#[derive(Debug)]
+pub struct PreparedFrame(FrameShading);
+
+/// What lights a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PictureLights {
+    /// Lights in world space: those of the scene, or the key light of scenes without any.
+    pub lights: Vec<LightKind>,
+    /// Light from everywhere, as irradiance over pi.
+    pub ambient: Vec3,
+    /// What rays see that hit nothing.
+    pub background: Background,
+    /// The share of the background that lights surfaces, in place of lights that are not there.
+    pub sky_share: f32,
+}
+
+impl PreparedFrame {
+    /// Checks a frame of `scene`.
+    ///
+    /// # Errors
+    /// [`RenderError`] when surfaces, materials and textures do not fit together.
+    pub fn new(scene: &Scene, frame: &SceneFrame) -> Result<Self, RenderError> {
+        FrameShading::new(scene, frame).map(Self)
+    }
+
+    /// What lights a picture from `view`.
+    pub fn lights(&self, view: &View, settings: &RenderSettings) -> PictureLights {
+        let shading = &self.0;
+        let sky_share = if shading.lights.are_missing() { SKY_SHARE } else { 0.0 };
+        PictureLights {
+            lights: shading.lights.seen_from(view),
+            ambient: shading.lights.ambient,
+            background: shading.background_of(settings),
+            sky_share,
+        }
+    }
+
+    /// Primitives that emit, in world space.
+    pub fn emitters(&self) -> &[Emitter] {
+        self.0.lights.emitters.all()
+    }
+}
+
+/// Where sample `sample_idx` lies in its pixel, in `0..1` from the top left; the first is the
+/// centre.
+pub fn sample_place(sample_idx: u32) -> Vec2 {
+    subpixel(sample_idx)
+}
