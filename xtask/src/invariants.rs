@@ -22,7 +22,7 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     ("rayflock-engine", &["rayflock-geom"]),
     ("rayflock-import", &["rayflock-geom", "rayflock-scene"]),
     ("rayflock-render", &["rayflock-geom", "rayflock-scene", "rayflock-engine"]),
-    ("rayflock-gpu", &["rayflock-geom", "rayflock-engine"]),
+    ("rayflock-gpu", &["rayflock-geom", "rayflock-scene", "rayflock-engine", "rayflock-render"]),
     ("rayflock-oracle", &["rayflock-geom"]),
     (
         "rayflock-testkit",
