@@ -24,7 +24,8 @@ pub struct RenderSettings {
     /// What rays that hit nothing see, instead of what the scene says.
     pub background: Option<Background>,
     /// How many rays are traced together at most, `1..=2^24`, but at least one row of pixels.
-    /// Bounds the memory taken; never changes the picture.
+    /// Bounds the memory taken; changes no picture but, a little, those of light past spheres
+    /// ([`Visibility::Spheres`]), where points that are shaded together share what they see.
     pub batch_rays: usize,
 }
 

@@ -10,7 +10,8 @@
 //! HPG 2013, for stages over whole batches.
 //!
 //! **Invariants**: the picture does not depend on the engine, the number of threads, or the batch
-//! limit; agrees with [`reference`](crate::reference) up to rounding.
+//! limit (light past spheres does, a little: see `vpl/gather_past_spheres`); agrees with
+//! [`reference`](crate::reference) up to rounding.
 //!
 //! **Cost**: buffers are kept from batch to batch and frame to frame; about 300 bytes for each
 //! ray of the largest batch.
