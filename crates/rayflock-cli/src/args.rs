@@ -6,6 +6,7 @@
 #[cfg(feature = "bench")]
 mod bench;
 mod convert;
+mod device;
 mod engine;
 mod light;
 mod motion;
@@ -31,6 +32,7 @@ pub(crate) use bench::{
     EngineArguments, OutputArguments,
 };
 pub(crate) use convert::ConvertArguments;
+pub(crate) use device::Device;
 pub(crate) use engine::{EngineChoice, EngineSpec};
 pub(crate) use light::{
     ChoiceArgument, IndirectArgument, Integrator, LightArguments, VisibilityArgument,
@@ -231,6 +233,15 @@ pub(crate) struct RenderArguments {
     /// What traces the rays.
     #[command(flatten)]
     pub(crate) engine: EngineChoice,
+
+    /// What renders whole frames: cpu, or in a program built with --features gpu also gpu, which
+    /// takes no engine, and gpu:NUMBER or gpu:NAME for one of the adapters that `rayflock devices`
+    /// lists.
+    ///
+    /// Pictures of both look the same. What a graphics card cannot render yet, paths and virtual
+    /// lights among it, the processor does, and the program says so.
+    #[arg(long, value_name = "DEVICE", default_value_t = Device::Cpu)]
+    pub(crate) device: Device,
 
     /// Threads to work with; they never change the picture [default: one a core].
     #[arg(long, value_name = "N", value_parser = thread_count())]

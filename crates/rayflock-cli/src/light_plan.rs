@@ -1,13 +1,15 @@
 //! From what is asked about light to how a frame is rendered.
 
-use anyhow::{Context, Result, ensure};
+#[cfg(feature = "bench")]
+use anyhow::Context;
+use anyhow::{Result, ensure};
 use rayflock::engine::RayEngine;
+#[cfg(feature = "bench")]
+use rayflock::render::RenderSettings;
 use rayflock::render::lightcuts::CutSettings;
 use rayflock::render::occluders::SphereSettings;
 use rayflock::render::vpl::{ChosenBy, ChosenRays, Visibility, VplSettings};
-use rayflock::render::{
-    FrameRenderer, Indirect, PathTracer, RenderSettings, Shown, WhittedRenderer,
-};
+use rayflock::render::{FrameRenderer, Indirect, PathTracer, Shown, WhittedRenderer};
 
 use crate::args::{
     ChoiceArgument, IndirectArgument, Integrator, LightArguments, VisibilityArgument,
@@ -101,6 +103,7 @@ pub(crate) fn plan_indirect(args: &LightArguments) -> Result<Indirect> {
 }
 
 /// What pictures are compared with to tell their error, if that is asked for.
+#[cfg(feature = "bench")]
 pub(crate) fn plan_comparison(
     args: &LightArguments,
     settings: &RenderSettings,

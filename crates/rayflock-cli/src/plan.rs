@@ -11,12 +11,14 @@ use glam::Affine3A;
 use rayflock::render::{RenderSettings, View};
 use rayflock::scene::{Evaluator, Scene, SceneFrame, frame_bounds};
 
-use crate::args::{EngineSpec, Integrator, RenderArguments};
+use crate::args::{Device, EngineSpec, Integrator, RenderArguments};
 use crate::failure::{Blame, Failure};
 use crate::frames::FrameRange;
 use crate::input::Input;
 use crate::journal::Settings;
-use crate::light_plan::{indirect_text, plan_comparison, plan_indirect};
+#[cfg(feature = "bench")]
+use crate::light_plan::plan_comparison;
+use crate::light_plan::{indirect_text, plan_indirect};
 use crate::output::{Look, Target, atomic};
 use crate::plot::PlotFile;
 use crate::size::Size;
@@ -41,11 +43,14 @@ pub(crate) struct RenderPlan {
     /// How frames are rendered.
     pub(crate) settings: RenderSettings,
     /// What they are compared with, if their error is asked for.
+    #[cfg(feature = "bench")]
     pub(crate) compared: Option<RenderSettings>,
     /// How light becomes colour.
     pub(crate) look: Look,
     /// What traces the rays.
     pub(crate) engine: EngineSpec,
+    /// What renders whole frames.
+    pub(crate) device: Device,
     /// Where the pictures go.
     pub(crate) target: Target,
     /// Whether to take over finished frames.
@@ -115,6 +120,7 @@ impl RenderPlan {
             shown: args.light.view,
             ..RenderSettings::default()
         };
+        #[cfg(feature = "bench")]
         let compared = plan_comparison(&args.light, &settings).blame_input()?;
 
         let (input, evaluator, fps) =
@@ -131,9 +137,11 @@ impl RenderPlan {
             size: args.size,
             integrator,
             settings,
+            #[cfg(feature = "bench")]
             compared,
             look: Look { exposure: args.exposure, tone_map: args.tone_map },
             engine: args.engine.engine,
+            device: args.device,
             target,
             resume: args.resume,
             explain: args.explain,
@@ -174,6 +182,7 @@ impl RenderPlan {
             ("INPUT", self.input.name.clone()),
             ("INPUT's content", self.input.revision.clone()),
             ("--engine", self.engine.to_string()),
+            ("--device", self.device.to_string()),
             ("--fps", self.fps.to_string()),
             ("--size", self.size.to_string()),
             ("--spp", self.settings.samples_per_pixel.to_string()),

@@ -3,9 +3,12 @@
 use std::time::Instant;
 
 use anyhow::Context;
-use rayflock::engine::{CommitStats, Fact, RayEngine};
-use rayflock::render::{Film, FrameRenderer, FrameStats, View};
+use rayflock::engine::{CommitStats, Fact};
+#[cfg(feature = "bench")]
+use rayflock::render::View;
+use rayflock::render::{Film, FrameRenderer, FrameStats};
 use rayflock::scene::Evaluator;
+#[cfg(feature = "bench")]
 use rayflock_bench::difference::{Difference, difference};
 use tracing::debug_span;
 
@@ -16,7 +19,7 @@ use crate::journal::Journal;
 use crate::output::{FrameNames, picture};
 use crate::plan::RenderPlan;
 use crate::progress::Progress;
-use crate::stats::{ErrorRecord, FrameRecord, RayRecord, StageRecords};
+use crate::stats::{DeviceRecord, ErrorRecord, FrameRecord, RayRecord, StageRecords};
 
 /// What lives from frame to frame.
 #[derive(Debug)]
@@ -29,9 +32,8 @@ pub(crate) struct Session {
 
 impl Session {
     /// Nothing is rendered yet.
-    pub(crate) fn new(plan: RenderPlan, engine: Box<dyn RayEngine>) -> Self {
+    pub(crate) fn new(plan: RenderPlan, renderer: Box<dyn FrameRenderer>) -> Self {
         let evaluator = plan.evaluator.clone();
-        let renderer = plan.integrator.renderer(engine);
         let film = Film::new(plan.size.width as usize, plan.size.height as usize);
         Self { plan, evaluator, renderer, film }
     }
@@ -119,13 +121,16 @@ impl Session {
         let held = Held {
             allocations: update_allocations.zip(render_allocations).map(|(a, b)| a + b),
             memory_bytes: self.renderer.memory_usage() as u64,
+            device: DeviceRecord::new(&self.renderer.budget()),
         };
-        let mut record = record((frame, time), &times, &commit, &stats, &held);
-        record.error = self.error(&view);
+        let record = record((frame, time), &times, &commit, &stats, held);
+        #[cfg(feature = "bench")]
+        let record = FrameRecord { error: self.error(&view), ..record };
         Ok(record)
     }
 
     /// How far the film is from one that is rendered with exact visibility, if that is asked for.
+    #[cfg(feature = "bench")]
     fn error(&mut self, view: &View) -> Option<ErrorRecord> {
         let settings = self.plan.compared.as_ref()?;
         let mut exact = Film::new(self.film.width(), self.film.height());
@@ -147,10 +152,11 @@ struct Times {
     total_ms: f64,
 }
 
-/// What a frame took from the heap.
+/// What a frame took from the heap and of a device.
 struct Held {
     allocations: Option<u64>,
     memory_bytes: u64,
+    device: Option<DeviceRecord>,
 }
 
 fn record(
@@ -158,7 +164,7 @@ fn record(
     times: &Times,
     commit: &CommitStats,
     stats: &FrameStats,
-    held: &Held,
+    held: Held,
 ) -> FrameRecord {
     let rays = RayRecord {
         primary: stats.rays.primary,
@@ -195,6 +201,7 @@ fn record(
         allocations: held.allocations,
         ignored: (commit.non_finite_count + commit.degenerate_count) as u64,
         memory_bytes: held.memory_bytes,
+        device: held.device,
     }
 }
 

@@ -2,6 +2,8 @@
 //!
 //! Fields are added later, never renamed.
 
+mod device;
+
 use std::fs;
 use std::path::Path;
 
@@ -9,6 +11,7 @@ use anyhow::Result;
 use rayflock::render::{StageStats, TraceStages};
 use serde::{Deserialize, Serialize};
 
+pub(crate) use self::device::DeviceRecord;
 use crate::output::atomic;
 use crate::size::Size;
 
@@ -83,6 +86,9 @@ pub(crate) struct FrameRecord {
     pub(crate) ignored: u64,
     /// Bytes that the engine holds, without the meshes.
     pub(crate) memory_bytes: u64,
+    /// What stages on a graphics device took; absent where none was at work.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) device: Option<DeviceRecord>,
 }
 
 /// How far a picture is from one with exact visibility of the same virtual lights.
@@ -177,6 +183,8 @@ pub(crate) struct Stats {
     pub(crate) input: String,
     /// The engine.
     pub(crate) engine: String,
+    /// What rendered whole frames; on a graphics device no engine is asked.
+    pub(crate) device: String,
     /// Threads worked with.
     pub(crate) threads: usize,
     /// The instruction set of the kernels.
@@ -214,6 +222,6 @@ mod tests {
         let record: FrameRecord = serde_json::from_str(line).unwrap();
         assert_eq!((record.frame, record.triangle_tests), (3, 32));
         assert_eq!((record.box_tests, record.pairs, record.bytes), (0, 0, 0));
-        assert_eq!(record.allocations, None);
+        assert_eq!((record.allocations, record.device), (None, None));
     }
 }

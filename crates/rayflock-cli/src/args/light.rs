@@ -66,6 +66,7 @@ pub(crate) struct LightArguments {
     /// Render each frame once more with a shadow ray to every virtual light, and tell how far the
     /// picture is from that: by mean FLIP, which is 0 where the eye sees no difference, and by root
     /// mean squared error of the radiance over its root mean square. Takes the time of both.
+    #[cfg(feature = "bench")]
     #[arg(long)]
     pub(crate) check_error: bool,
 

@@ -4,9 +4,12 @@ use std::fs;
 
 use anyhow::{Context, Result};
 use rayflock::geom::simd::SimdLevel;
+use rayflock::render::FrameRenderer;
 use tracing::debug_span;
 
-use crate::args::RenderArguments;
+#[cfg(feature = "gpu")]
+use crate::args::Integrator;
+use crate::args::{Device, RenderArguments};
 use crate::failure::{Blame, Failure};
 use crate::interrupt::Interrupt;
 use crate::journal::Journal;
@@ -20,7 +23,7 @@ use crate::terminal;
 /// Plans the render, then carries it out.
 pub(super) fn run(args: &RenderArguments) -> Result<(), Failure> {
     let plan = RenderPlan::new(args)?;
-    let engine = args.engine.create().blame_input()?;
+    let renderer = create_renderer(args)?;
     for warning in &plan.input.warnings {
         terminal::say(format_args!("warning: {warning}"));
     }
@@ -29,12 +32,30 @@ pub(super) fn run(args: &RenderArguments) -> Result<(), Failure> {
     let interrupt = Interrupt::listen().blame_output()?;
     let names = plan.target.frame_names(plan.frames.count());
     let mut journal = Journal::open(&names, &plan.journal_settings(), plan.resume)?;
-    let mut session = Session::new(plan, engine);
+    let mut session = Session::new(plan, renderer);
     session.render_frames(&names, &mut journal, &interrupt)?;
 
     let plan = session.into_plan();
     assemble(&plan, &names, &interrupt)?;
     report(&plan, &journal).blame_output()
+}
+
+/// What renders the frames.
+fn create_renderer(args: &RenderArguments) -> Result<Box<dyn FrameRenderer>, Failure> {
+    let integrator = args.light.integrator;
+    match args.device {
+        Device::Cpu => {}
+        #[cfg(feature = "gpu")]
+        Device::Gpu(adapter) if integrator == Integrator::Whitted => {
+            let renderer = rayflock::gpu::GpuRenderer::open(adapter);
+            return Ok(Box::new(renderer.context("--device gpu").blame_input()?));
+        }
+        #[cfg(feature = "gpu")]
+        Device::Gpu(_) => terminal::say(format_args!(
+            "warning: the graphics device cannot trace paths; the renderer on the CPU does"
+        )),
+    }
+    Ok(integrator.renderer(args.engine.create().blame_input()?))
 }
 
 /// Makes a film of the frames, and removes them once it is there.
@@ -63,6 +84,7 @@ fn report(plan: &RenderPlan, journal: &Journal) -> Result<()> {
         version: env!("CARGO_PKG_VERSION"),
         input: plan.input.name.clone(),
         engine: plan.engine.to_string(),
+        device: plan.device.to_string(),
         threads: rayon::current_num_threads(),
         simd: SimdLevel::best().name(),
         size: plan.size,

@@ -5,12 +5,13 @@ use rayflock_bench::peer::embree::EmbreeLibrary;
 
 use crate::Workplace;
 
-/// Renders a frame of the box with an engine, and expects nearly the picture of our own.
-fn renders_like_ours(engine: &str) {
+/// Renders a frame of the box with an engine or on a device, by an option and its value, and expects
+/// nearly the picture of our own.
+fn renders_like_ours([option, value]: [&str; 2]) {
     let work = Workplace::new();
     let render = "render builtin:cornell --frames 40 --size 48x36";
     work.run_quietly(&format!("{render} -o ours.png"));
-    work.run_quietly(&format!("{render} --engine {engine} -o theirs.png --stats s.json"));
+    work.run_quietly(&format!("{render} --{option} {value} -o theirs.png --stats s.json"));
     let [ours, theirs] = ["ours.png", "theirs.png"]
         .map(|name| image::open(work.path(name)).expect("a picture").into_rgb8());
     let differs = |(a, b): &(&image::Rgb<u8>, &image::Rgb<u8>)| {
@@ -19,15 +20,15 @@ fn renders_like_ours(engine: &str) {
     let differing = ours.pixels().zip(theirs.pixels()).filter(differs).count();
     assert!(differing < 20, "{differing} of {} pixels differ", 48 * 36);
     let stats = String::from_utf8(work.read("s.json")).expect("text");
-    assert!(stats.contains(&format!("\"engine\": \"{engine}")), "{stats}");
+    assert!(stats.contains(&format!("\"{option}\": \"{value}")), "{stats}");
 }
 
 #[test]
 fn embree_renders_like_ours() {
     match EmbreeLibrary::load(None) {
         Ok(_) => {
-            renders_like_ours("embree");
-            renders_like_ours("embree:medium+instances+packets+robust");
+            renders_like_ours(["engine", "embree"]);
+            renders_like_ours(["engine", "embree:medium+instances+packets+robust"]);
         }
         Err(error @ PeerError::LibraryNotFound { .. }) => eprintln!("skipped: {error}"),
         Err(error) => panic!("{error}"),
@@ -41,11 +42,18 @@ fn the_graphics_card_renders_like_ours() {
         eprintln!("skipped: there is no graphics adapter");
         return;
     }
-    renders_like_ours("gpu:compute@0");
+    renders_like_ours(["engine", "gpu:compute@0"]);
+    renders_like_ours(["device", "gpu:0"]);
     let work = Workplace::new();
-    let run = work.run("render builtin:cornell --engine gpu:compute@99 -o x.png");
-    assert_eq!(run.code, 2, "{}", run.stderr);
-    assert!(run.stderr.contains("there is no graphics adapter \"99\"; there are: 0: "));
+    for words in ["--engine gpu:compute@99", "--device gpu:99"] {
+        let run = work.run(&format!("render builtin:cornell {words} -o x.png"));
+        assert_eq!(run.code, 2, "{}", run.stderr);
+        assert!(run.stderr.contains("there is no graphics adapter \"99\"; there are: 0: "));
+    }
+    let paths = "render builtin:cornell --frames 0 --size 8x6 --spp 1 --depth 1 --integrator path";
+    let run = work.run(&format!("{paths} --device gpu:0 -o x.png"));
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("the graphics device cannot trace paths"), "{}", run.stderr);
 }
 
 #[test]
