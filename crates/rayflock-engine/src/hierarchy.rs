@@ -18,7 +18,7 @@
 //! cones against enclosing spheres, the exact test behind them); D. Roger, U. Assarsson,
 //! N. Holzschuch, "Whitted Ray-Tracing for Dynamic Scenes using a Ray-Space Hierarchy on the
 //! GPU", EGSR 2007 (several levels, cones that start from spheres, pairs refined level by level);
-//! A. Reis, V. Costa, J. Pereira, "Coherent Ray-Space Hierarchy via Ray Hashing and Sorting",
+//! N. Reis, V. Costa, J. Pereira, "Coherent Ray-Space Hierarchy via Ray Hashing and Sorting",
 //! GRAPP 2017 (unordered rays hashed and sorted into tiles).
 //!
 //! **Departures.** Refinement is depth first with one list a level, so that lists stay in the

@@ -3,7 +3,7 @@
 //! A key of at most 31 bits holds the direction on an octahedral map (coarse bits first), then the origin in
 //! the batch's bounding box, both as Morton codes; what is uniform gets no bits.
 //!
-//! **Source.** A. Reis, V. Costa, J. Pereira, "Coherent Ray-Space Hierarchy via Ray Hashing and
+//! **Source.** N. Reis, V. Costa, J. Pereira, "Coherent Ray-Space Hierarchy via Ray Hashing and
 //! Sorting", GRAPP 2017. **Departures.** The octahedral map instead of spherical angles.
 //!
 //! **Cost.** One parallel sort of eight bytes a ray.
