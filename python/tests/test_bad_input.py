@@ -2,12 +2,13 @@
 
 import itertools
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import rayflock
 from conftest import TRIANGLES, VERTICES
-from rayflock.compat import embreex, open3d
+from rayflock.compat import embreex, open3d, trimesh
 
 RAYS = np.float32([[0.25, 0.25, 2, 0, 0, -1]] * 4)
 
@@ -33,6 +34,7 @@ def read_only(array):
 
 SHARED = np.zeros((4, 6), np.float32)
 SMALL = rayflock.Sensor("depth", at=(0, 0, 2), size=(2, 2))
+MESH = SimpleNamespace(vertices=VERTICES, faces=TRIANGLES)
 
 MISTAKES = [
     # Meshes.
@@ -250,6 +252,9 @@ def test_no_argument_makes_it_panic(one_triangle, rng):
         lambda a, b: open3d.RaycastingScene().add_triangles(a, b),
         lambda a, b: embreex.TriangleMesh(embreex.EmbreeScene(), a, b),
         lambda a, b: embreex.EmbreeScene().run(a, b),
+        lambda a, b: trimesh.RayMeshIntersector(MESH).intersects_any(a, b),
+        lambda a, b: trimesh.RayMeshIntersector(MESH).intersects_location(a, b),
+        lambda a, b: trimesh.RayMeshIntersector(SimpleNamespace(vertices=a, faces=b)),
     ]
     answered = 0
     for call, (a, b) in itertools.product(calls, itertools.product(ODD, repeat=2)):
