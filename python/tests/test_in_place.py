@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 import rayflock
 from conftest import TRIANGLES, VERTICES, random_rays, soup, sphere_mesh
-from rayflock import _arguments, _scene
+from rayflock import _arguments, _questions
 
 
 def test_arrays_that_fit_are_handed_on_as_they_are(rng):
     rays = random_rays(rng, 12).reshape(3, 4, 6)
     t_max = np.full((3, 4), 5, np.float32)
     mask = np.full((3, 4), 1, np.uint32)
-    question, _ = _scene._question(rays, None, None, 0.0, t_max, mask, None, None)
+    question, _ = _questions.asked(rays, None, None, 0.0, t_max, mask, None, None)
     for given, name in ((rays, "rays"), (t_max, "t_max"), (mask, "mask")):
         assert question[name].ctypes.data == given.ctypes.data
         assert np.shares_memory(question[name], given)
-    question, _ = _scene._question(
+    question, _ = _questions.asked(
         None, rays[..., 0, :3].copy(), (0, 0, 1), 0.0, 1.0, 1, None, None
     )
     assert question["direction"] == (0, 0, 1)

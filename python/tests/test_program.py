@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
 import rayflock
@@ -76,7 +75,6 @@ def test_ctrl_c_stops_the_program(tmp_path):
     program = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     while not any((tmp_path / "out").glob("frame_*.png")):
         assert program.poll() is None
-        time.sleep(0)
     program.send_signal(signal.SIGINT)
     _, words = program.communicate(timeout=120)
     assert program.returncode == 130 and "--resume" in words, words
