@@ -30,6 +30,7 @@ mod gather_by_cuts;
 mod gather_past_spheres;
 pub(crate) mod indirect;
 mod light_blocks;
+mod light_ways;
 mod pair_visibility;
 mod resample;
 mod settings;

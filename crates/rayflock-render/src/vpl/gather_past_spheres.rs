@@ -23,7 +23,8 @@ use rayon::prelude::*;
 use tracing::debug_span;
 
 use super::gather::GatherStats;
-use super::light_blocks::{LitBlock, NearLight};
+use super::light_blocks::LitBlock;
+use super::light_ways::NearLight;
 use super::sphere_visibility::DISTANCE;
 use super::{VirtualLights, VisibilityStats};
 use crate::occluders::{

@@ -32,7 +32,8 @@ use tracing::debug_span;
 use super::gather::{
     GatherBuffers, GatherStats, LOT, Lot, TILE_PAIRS, add, arrived, collect_points, face, lots_of,
 };
-use super::light_blocks::{BlockMaterials, LitBlock, NearLight};
+use super::light_blocks::{BlockMaterials, LitBlock};
+use super::light_ways::NearLight;
 use super::sphere_visibility::DISTANCE;
 use super::{ChosenBy, ChosenRays, PairTile, PairVisibility, VirtualLights};
 use crate::wave::{LitPoint, ShadedRun};
