@@ -1,9 +1,10 @@
 //! Chooses the faces on which the rays of a batch become points.
 //!
-//! One face across the mean direction where rays that share an origin stay within 50 degrees of
-//! it, otherwise the six sides of a cube around the origin; one face across a shared direction.
-//! The choice follows from a sample; whether each ray has a place on a face is asked when the ray
-//! is looked at.
+//! One face where rays that share an origin stay within 50 degrees of its normal, which is that of
+//! the image plane where they are a camera's, otherwise their mean direction; if they do not, the
+//! six sides of a cube around the origin; one face across a shared direction. The choice follows
+//! from a sample, or the corners of the image; whether each ray has a place on a face is asked when
+//! the ray is looked at.
 
 use glam::{DVec3, Vec3};
 use rayflock_geom::simd::face::{Face, FaceKind};
@@ -33,12 +34,12 @@ impl Faces {
         let Some(origin) = batch.origin().uniform().filter(|origin| origin.is_finite()) else {
             return false;
         };
-        let mean: DVec3 = sample(batch).map(|ray| unit(ray.direction)).sum();
-        let mean = mean.normalize_or_zero();
         if let Some(rows) = image_rows(batch) {
             self.faces.push(central(origin, rows));
             return true;
         }
+        let mean: DVec3 = sample(batch).map(|ray| unit(ray.direction)).sum();
+        let mean = mean.normalize_or_zero();
         let is_narrow = sample(batch).all(|ray| unit(ray.direction).dot(mean) > WIDEST_COS);
         if is_narrow && mean != DVec3::ZERO {
             let along = row_axis(batch, |ray| unit(ray.direction));
