@@ -1,26 +1,28 @@
 //! A tree of cones over the rays, and pairs of cones and chunks refined by compaction: today's form
 //! of the hierarchical ray engine.
 //!
-//! 1. **bound_chunks** writes the sphere around each chunk of 16 consecutive primitives, when a
-//!    frame is committed.
+//! 1. **bound_chunks** and **bound_blocks** write the spheres around each chunk of 16 consecutive
+//!    primitives and each block of 16 chunks, when a frame is committed.
 //! 2. **bound_tiles** and **bound_nodes** compute the cones of tiles of 64 rays, of 16 tiles, and of
 //!    16 of those, bottom up.
-//! 3. **seed_pairs** asks the roots about all chunks; **refine** asks the children of each pair, two
+//! 3. **seed_pairs** asks the roots about all blocks; **refine** asks the children of each pair, two
 //!    times. What touches is appended, and the next stage is dispatched by its count.
-//! 4. **plan_lists** and **fill_lists** bring the chunks of each tile together.
-//! 5. **trace_tile** goes through them from near to far, one workgroup a tile.
+//! 4. **plan_lists** and **fill_lists** bring the blocks of each tile together.
+//! 5. **trace_tile** goes through their chunks from near to far, one workgroup a tile; rays that
+//!    share few of them go on alone.
 //!
 //! **Source.** L. Szecsi, "The Hierarchical Ray Engine", WSCG 2006; D. Roger, U. Assarsson, N.
 //! Holzschuch, "Whitted Ray-Tracing for Dynamic Scenes using a Ray-Space Hierarchy on the GPU",
 //! EGSR 2007.
 //!
-//! **Departures** from the latter: pairs name chunks, not triangles, until the tile is reached, so
-//! that lists are short; sixteen children a node; three levels, whatever the number of rays.
+//! **Departures** from the latter: pairs name blocks, not triangles, until the tile is reached, so
+//! that lists are short, and tiles whose cones bound nothing need none; sixteen children a node;
+//! three levels, whatever the number of rays, and single rays below them.
 //!
 //! **Invariants.** No pair is dropped: where there are more than a buffer holds, it grows, up to
 //! what WebGPU guarantees, and then the rays are split.
 //!
-//! **Cost.** Roots times chunks, and what is left of them; 20 bytes of pairs and lists each.
+//! **Cost.** Roots times blocks, and what is left of them; 20 bytes of pairs and lists each.
 
 mod buffers;
 mod stages;
@@ -45,6 +47,7 @@ use crate::{GpuContext, GpuError};
 
 /// As in `compute/params.wgsl`.
 pub(crate) const CHUNK_PRIMS: usize = 16;
+pub(crate) const BLOCK_CHUNKS: usize = 16;
 pub(crate) const FAN_OUT: usize = 16;
 
 /// Where the cones of nodes and of roots begin, as in `compute/params.wgsl`.
@@ -65,6 +68,8 @@ pub(crate) struct Compute {
     buffers: Buffers,
     /// The spheres around the chunks of each part of the primitives.
     chunks: Vec<GrowingBuffer>,
+    /// Those around the blocks.
+    blocks: Vec<GrowingBuffer>,
     pair_capacity: usize,
     largest_capacity: usize,
 }
@@ -105,6 +110,10 @@ impl Span<'_> {
         self.part.count.div_ceil(CHUNK_PRIMS)
     }
 
+    fn block_count(&self) -> usize {
+        self.chunk_count().div_ceil(BLOCK_CHUNKS)
+    }
+
     fn node_count(&self) -> usize {
         self.tiles.len().div_ceil(FAN_OUT)
     }
@@ -122,7 +131,7 @@ impl Span<'_> {
 
     /// Cone tests of the first level.
     fn asked(&self) -> usize {
-        self.root_count() * self.chunk_count()
+        self.root_count() * self.block_count()
     }
 }
 
@@ -131,10 +140,12 @@ pub(crate) fn tests_of(asked: usize, found: &Counters) -> TestCounts {
     let [root_pairs, node_pairs, tile_pairs] =
         [found.root_pairs, found.node_pairs, found.tile_pairs].map(u64::from);
     let children = FAN_OUT as u64 * (root_pairs + node_pairs);
+    let in_tiles = CHUNK_PRIMS as u64 * u64::from(found.cone_tests);
+    let of_all_rays = |tests: u32| TILE_RAYS as u64 * u64::from(tests);
     TestCounts {
-        cones: asked as u64 + children + CHUNK_PRIMS as u64 * u64::from(found.chunk_tests),
-        triangles: TILE_RAYS as u64 * u64::from(found.triangle_tests),
-        spheres: TILE_RAYS as u64 * u64::from(found.sphere_tests),
+        cones: asked as u64 + children + in_tiles + of_all_rays(found.ray_tests),
+        triangles: of_all_rays(found.triangle_tests),
+        spheres: of_all_rays(found.sphere_tests),
         pairs: root_pairs + node_pairs + tile_pairs,
     }
 }
@@ -159,6 +170,7 @@ impl Compute {
             stages: Stages::new(context),
             buffers: Buffers::new(),
             chunks: Vec::new(),
+            blocks: Vec::new(),
             pair_capacity,
             largest_capacity,
         }
@@ -178,8 +190,8 @@ impl Compute {
             if needed <= self.pair_capacity {
                 return Ok(tests_of(span.asked(), &found));
             }
-            // A single tile makes no more pairs than there are chunks.
-            let largest = self.largest_capacity.max(span.chunk_count());
+            // A single tile makes no more pairs than there are blocks.
+            let largest = self.largest_capacity.max(span.block_count());
             if needed > largest && span.tiles.len() > 1 {
                 let [first, second] = span.halves();
                 let counts = self.trace_span(context, clock, &first, hits)?;
@@ -242,7 +254,7 @@ impl Compute {
     ) -> StageEncoder<'a> {
         let params = Params {
             tile_count: span.tiles.len() as u32,
-            chunk_count: span.chunk_count() as u32,
+            block_count: span.block_count() as u32,
             pair_capacity: self.pair_capacity as u32,
             question: span.question as u32,
         };
@@ -277,16 +289,16 @@ impl Compute {
 
     fn encode_refinement(&self, span: &Span<'_>, encoder: &mut StageEncoder<'_>) {
         let (stages, b) = (&self.stages, &self.buffers);
-        let chunks = self.chunks_of(span);
+        let blocks = self.blocks_of(span);
         let [even, odd] = b.pairs();
-        let resources = [b.cones(), chunks.clone(), even.clone(), b.counters(), b.params()];
+        let resources = [b.cones(), blocks.clone(), even.clone(), b.counters(), b.params()];
         encoder.stage(&stages.seed_pairs, &resources, Groups::Count(span.asked().div_ceil(64)));
         let levels = [(&stages.refine_roots, &even, &odd), (&stages.refine_nodes, &odd, &even)];
         for (level, (stage, parents, pairs)) in levels.into_iter().enumerate() {
             self.encode_plan(level, encoder);
             let (parents, pairs) = (parents.clone(), pairs.clone());
             let resources =
-                [b.cones(), chunks.clone(), parents, pairs, b.counters(), b.ranges(), b.params()];
+                [b.cones(), blocks.clone(), parents, pairs, b.counters(), b.ranges(), b.params()];
             encoder.stage(stage, &resources, Groups::Planned(b.dispatch_buffer(level)));
         }
     }
@@ -325,6 +337,10 @@ impl Compute {
     fn chunks_of(&self, span: &Span<'_>) -> wgpu::BindingResource<'_> {
         part_of(self.chunks[span.part_idx].buffer(), span.chunk_count() * SPHERE_BYTES)
     }
+
+    fn blocks_of(&self, span: &Span<'_>) -> wgpu::BindingResource<'_> {
+        part_of(self.blocks[span.part_idx].buffer(), span.block_count() * SPHERE_BYTES)
+    }
 }
 
 /// The rays of a span; tiles are a multiple of what offsets must be aligned to.
@@ -343,14 +359,20 @@ impl Method for Compute {
         let usage = wgpu::BufferUsages::STORAGE;
         let part_count = primitives.parts().count();
         self.chunks.resize_with(part_count, || GrowingBuffer::new("chunks", usage));
+        self.blocks.resize_with(part_count, || GrowingBuffer::new("blocks", usage));
         let mut encoder = StageEncoder::new(context, clock);
-        for (part, chunks) in primitives.parts().zip(&mut self.chunks) {
+        let spheres = self.chunks.iter_mut().zip(&mut self.blocks);
+        for (part, (chunks, blocks)) in primitives.parts().zip(spheres) {
             let chunk_count = part.count.div_ceil(CHUNK_PRIMS);
-            let bytes = chunk_count * SPHERE_BYTES;
-            let chunks = chunks.reserve(context, bytes);
-            let resources = [part_of(part.buffer, part.bytes()), part_of(chunks, bytes)];
+            let block_count = chunk_count.div_ceil(BLOCK_CHUNKS);
+            let [chunk_bytes, block_bytes] = [chunk_count, block_count].map(|n| n * SPHERE_BYTES);
+            let chunks = part_of(chunks.reserve(context, chunk_bytes), chunk_bytes);
+            let blocks = part_of(blocks.reserve(context, block_bytes), block_bytes);
+            let resources = [part_of(part.buffer, part.bytes()), chunks.clone()];
             let groups = Groups::Count(chunk_count.div_ceil(64));
             encoder.stage(&self.stages.bound_chunks, &resources, groups);
+            let groups = Groups::Count(block_count.div_ceil(64));
+            encoder.stage(&self.stages.bound_blocks, &[chunks, blocks], groups);
         }
         encoder.submit();
     }
@@ -378,6 +400,6 @@ impl Method for Compute {
 
     fn hold(&self, budget: &mut Budget) {
         self.buffers.hold(budget);
-        self.chunks.iter().for_each(|chunks| chunks.hold(budget));
+        self.chunks.iter().chain(&self.blocks).for_each(|spheres| spheres.hold(budget));
     }
 }

@@ -91,7 +91,7 @@ pub(crate) struct Cone {
 #[repr(C)]
 pub(crate) struct Params {
     pub(crate) tile_count: u32,
-    pub(crate) chunk_count: u32,
+    pub(crate) block_count: u32,
     pub(crate) pair_capacity: u32,
     pub(crate) question: u32,
 }
@@ -103,7 +103,8 @@ pub(crate) struct Counters {
     pub(crate) root_pairs: u32,
     pub(crate) node_pairs: u32,
     pub(crate) tile_pairs: u32,
-    pub(crate) chunk_tests: u32,
+    pub(crate) cone_tests: u32,
+    pub(crate) ray_tests: u32,
     pub(crate) triangle_tests: u32,
     pub(crate) sphere_tests: u32,
 }
@@ -113,7 +114,7 @@ pub(crate) struct Counters {
 #[repr(C)]
 pub(crate) struct Pair {
     pub(crate) cone_idx: u32,
-    pub(crate) chunk_idx: u32,
+    pub(crate) block_idx: u32,
 }
 
 /// `TileRange` of `compute/params.wgsl`.

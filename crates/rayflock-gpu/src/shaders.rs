@@ -58,6 +58,8 @@ pub(crate) const RASTER_TRACE_TILE: Shader = shader!(
 );
 pub(crate) const BOUND_CHUNKS: Shader =
     shader!("compute/bound_chunks", "shared/primitive", "shared/limits", "compute/params");
+pub(crate) const BOUND_BLOCKS: Shader =
+    shader!("compute/bound_blocks", "shared/limits", "compute/params");
 pub(crate) const BOUND_TILES: Shader =
     shader!("compute/bound_tiles", "shared/ray", "shared/limits", "shared/cone", "compute/params");
 pub(crate) const BOUND_NODES: Shader =
@@ -77,7 +79,9 @@ pub(crate) const TRACE_TILE: Shader = shader!(
     "shared/limits",
     "shared/intersect",
     "shared/cone",
-    "compute/params"
+    "compute/params",
+    "compute/tracer",
+    "compute/meet_chunks"
 );
 pub(crate) const CAMERA_RAYS: Shader = shader!(
     "frame/camera_rays",
@@ -134,6 +138,7 @@ pub(crate) const ALL: &[Shader] = &[
     RASTER_BOUND_TILES,
     RASTER_TRACE_TILE,
     BOUND_CHUNKS,
+    BOUND_BLOCKS,
     BOUND_TILES,
     BOUND_NODES,
     SEED_PAIRS,

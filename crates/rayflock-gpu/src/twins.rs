@@ -35,6 +35,7 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
     ),
     ("raster/trace_tile", Twin::Elsewhere(BY_ANSWER)),
     ("compute/bound_chunks", Twin::Here),
+    ("compute/bound_blocks", Twin::Here),
     ("compute/bound_tiles", Twin::Here),
     (
         "compute/bound_nodes",
@@ -43,7 +44,7 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
     ("compute/seed_pairs", Twin::Elsewhere("the first level of `refine`")),
     (
         "compute/plan_dispatch",
-        Twin::Elsewhere("a division; too few workgroups leave chunks out of `fill_lists`"),
+        Twin::Elsewhere("a division; too few workgroups leave blocks out of `fill_lists`"),
     ),
     ("compute/refine", Twin::Here),
     ("compute/plan_lists", Twin::Here),
@@ -87,7 +88,16 @@ pub(crate) fn bound_primitives(prim: &DevicePrimitive) -> DeviceSphere {
 
 /// The sphere around a chunk of primitives.
 pub(crate) fn bound_chunks(prims: &[DevicePrimitive]) -> DeviceSphere {
-    let spheres = prims.iter().map(bound_primitives).filter(|sphere| sphere[3] >= 0.0);
+    around(prims.iter().map(bound_primitives))
+}
+
+/// The sphere around a block of chunks.
+pub(crate) fn bound_blocks(chunks: &[DeviceSphere]) -> DeviceSphere {
+    around(chunks.iter().copied())
+}
+
+fn around(spheres: impl Iterator<Item = DeviceSphere> + Clone) -> DeviceSphere {
+    let spheres = spheres.filter(|sphere| sphere[3] >= 0.0);
     let centers = spheres.clone().map(center);
     let low = centers.clone().fold(Vec3::INFINITY, Vec3::min);
     let high = centers.fold(Vec3::NEG_INFINITY, Vec3::max);
@@ -121,7 +131,8 @@ pub(crate) fn bound_tiles(rays: &[DeviceRay]) -> Cone {
 }
 
 /// How far a sphere is from being touched by a cone, over the distances at work: not above 0 where
-/// it is touched. A list holds the chunks of which the cone of its tile says so.
+/// it is touched. A list holds the blocks of which the cone of its tile says
+/// so, unless that bounds nothing.
 pub(crate) fn refine(cone: &Cone, sphere: DeviceSphere) -> f32 {
     if cone.sin < 0.0 || sphere[3] < 0.0 {
         return f32::INFINITY;
@@ -138,7 +149,7 @@ pub(crate) fn refine(cone: &Cone, sphere: DeviceSphere) -> f32 {
     apart / (v.abs().element_sum() + radii)
 }
 
-/// Where the list of each tile begins, from how many chunks each has.
+/// Where the list of each tile begins, from how many blocks each has.
 pub(crate) fn plan_lists(counts: &[u32]) -> Vec<TileRange> {
     let mut end = 0;
     let place = |&count: &u32| {

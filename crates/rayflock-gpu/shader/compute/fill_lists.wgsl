@@ -1,4 +1,4 @@
-// Brings the chunks of each tile together.
+// Brings the blocks of each tile together.
 
 @group(0) @binding(0) var<storage, read> pairs: array<Pair>;
 @group(0) @binding(1) var<storage, read_write> counters: Counters;
@@ -13,6 +13,6 @@ fn fill_lists(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) grou
     if (pair_idx < min(atomicLoad(&counters.tile_pairs), params.pair_capacity)) {
         let pair = pairs[pair_idx];
         let range = &ranges[pair.cone_idx];
-        list[(*range).first + atomicAdd(&(*range).count, 1u)] = pair.chunk_idx;
+        list[(*range).first + atomicAdd(&(*range).count, 1u)] = pair.block_idx;
     }
 }

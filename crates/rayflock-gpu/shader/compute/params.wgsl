@@ -4,6 +4,8 @@
 const TILE_RAYS: u32 = 64u;
 // Consecutive primitives in a chunk.
 const CHUNK_PRIMS: u32 = 16u;
+// Consecutive chunks in a block.
+const BLOCK_CHUNKS: u32 = 16u;
 // Children of a node of the ray tree.
 const FAN_OUT: u32 = 16u;
 // Where the cones of each level begin: tiles, nodes over tiles, roots over nodes.
@@ -12,7 +14,7 @@ const FIRST_ROOT: u32 = 4352u;
 
 struct Params {
     tile_count: u32,
-    chunk_count: u32,
+    block_count: u32,
     // Pairs that a buffer holds.
     pair_capacity: u32,
     // 0 for the closest hit, QUESTION_OCCLUDED for any.
@@ -24,20 +26,23 @@ struct Counters {
     root_pairs: atomic<u32>,
     node_pairs: atomic<u32>,
     tile_pairs: atomic<u32>,
-    // Tests of primitives against cones in `trace_tile`, in units of a chunk.
-    chunk_tests: atomic<u32>,
-    // Tests in units of all rays of a tile.
+    // Tests of chunks and primitives against the cones of tiles in `trace_tile`, in units of 16.
+    cone_tests: atomic<u32>,
+    // Tests in units of all rays of a tile: of spheres around chunks and primitives, of triangles
+    // and of primitives that are spheres.
+    ray_tests: atomic<u32>,
     triangle_tests: atomic<u32>,
     sphere_tests: atomic<u32>,
 }
 
-// A group of rays that may hit something of a chunk.
+// A group of rays that may hit something of a block.
 struct Pair {
     cone_idx: u32,
-    chunk_idx: u32,
+    block_idx: u32,
 }
 
-// Where the chunks of a tile lie in the list.
+// Where the blocks of a tile lie in the list. A tile whose cone bounds nothing has none there: it
+// is traced past all of them.
 struct TileRange {
     first: u32,
     count: atomic<u32>,

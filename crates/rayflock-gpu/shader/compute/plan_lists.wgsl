@@ -1,4 +1,4 @@
-// Gives each tile its place in the list of chunks: sums of the counts of the tiles before it. One
+// Gives each tile its place in the list of blocks: sums of the counts of the tiles before it. One
 // workgroup for all tiles; counts begin anew, for `fill_lists` to count by.
 
 @group(0) @binding(0) var<storage, read_write> ranges: array<TileRange>;

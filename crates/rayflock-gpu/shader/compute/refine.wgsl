@@ -1,8 +1,8 @@
-// Asks the cones of each node's children about the chunk of each pair, and writes down the pairs
-// that touch.
+// Asks the cones of each node's children about the block of each pair, and writes down the pairs
+// that touch. Tiles whose cones bound nothing would touch all blocks, and need no pairs for that.
 
 @group(0) @binding(0) var<storage, read> cones: array<Cone>;
-@group(0) @binding(1) var<storage, read> chunks: array<vec4f>;
+@group(0) @binding(1) var<storage, read> blocks: array<vec4f>;
 @group(0) @binding(2) var<storage, read> parents: array<Pair>;
 @group(0) @binding(3) var<storage, read_write> pairs: array<Pair>;
 @group(0) @binding(4) var<storage, read_write> counters: Counters;
@@ -23,7 +23,7 @@ fn refine(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: 
     if (asked / FAN_OUT < min(parent_count, params.pair_capacity)) {
         let parent = parents[asked / FAN_OUT];
         let child = asked % FAN_OUT;
-        pair.chunk_idx = parent.chunk_idx;
+        pair.block_idx = parent.block_idx;
         pair.cone_idx = (parent.cone_idx - FIRST_NODE) * FAN_OUT + child;
         var is_there = pair.cone_idx < params.tile_count;
         if (!IS_LAST) {
@@ -32,7 +32,8 @@ fn refine(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: 
             is_there = node_idx < count_at(FIRST_NODE, params);
         }
         if (is_there) {
-            touches = cone_touches(cones[pair.cone_idx], chunks[pair.chunk_idx]);
+            let cone = cones[pair.cone_idx];
+            touches = cone_touches(cone, blocks[pair.block_idx]) && !(IS_LAST && is_everywhere(cone));
         }
     }
     let place_here = place_in_group(touches);

@@ -1,9 +1,9 @@
-// Traces the rays of each tile against the primitives of its chunks: one workgroup a tile, one
+// Traces the rays of each tile against the primitives of its blocks: one workgroup a tile, one
 // invocation a ray, the nearest hit in registers.
 //
-// Chunks are taken in rounds from near to far; what lies beyond the farthest hit of the tile is
-// skipped. Primitives whose sphere the cone of the tile touches are brought to workgroup memory,
-// where each ray meets all of them.
+// The chunks of the blocks are taken in rounds from near to far. Those that the cone of the tile
+// touches, and that do not lie beyond the farthest hit of its rays, are kept until there are enough
+// of them for `meet_chunks`.
 
 @group(0) @binding(0) var<storage, read> rays: array<Ray>;
 @group(0) @binding(1) var<storage, read_write> hits: array<Hit>;
@@ -15,33 +15,24 @@
 @group(0) @binding(7) var<storage, read_write> counters: Counters;
 @group(0) @binding(8) var<uniform> params: Params;
 
-// Rounds from near to far, where a tile has more chunks than invocations.
+// Rounds from near to far, where a tile has more blocks than are asked at once.
 const ROUNDS: u32 = 4u;
-const CHUNKS_AT_ONCE: u32 = TILE_RAYS / CHUNK_PRIMS;
-// Distances beyond this are not told apart.
-const FARTHEST: f32 = 1e30;
+const BLOCKS_AT_ONCE: u32 = TILE_RAYS / BLOCK_CHUNKS;
+// Room for the chunks that are kept, and how many are met at once: those that come next must find
+// room.
+const CHUNK_ROOM: u32 = 2u * TILE_RAYS;
 
 // Bits of distances, which are never negative, grow with them.
 var<workgroup> nearest_chunk: atomic<u32>;
 var<workgroup> farthest_chunk: atomic<u32>;
 var<workgroup> farthest_hit: atomic<u32>;
-var<workgroup> round_chunks: array<u32, TILE_RAYS>;
-var<workgroup> round_chunk_count: atomic<u32>;
-var<workgroup> near_prims: array<Primitive, TILE_RAYS>;
-var<workgroup> near_prim_count: atomic<u32>;
+var<workgroup> kept_chunks: array<u32, CHUNK_ROOM>;
+var<workgroup> kept_spheres: array<vec4f, CHUNK_ROOM>;
+var<workgroup> kept_count: atomic<u32>;
+var<workgroup> test_sums: array<atomic<u32>, 3>;
 // What all invocations read after a barrier.
 var<workgroup> shared_count: u32;
 var<workgroup> shared_bounds: vec3f;
-
-// The ray of an invocation.
-struct Tracer {
-    ray: PreparedRay,
-    // Units of distance in one of t.
-    length: f32,
-    // Whether a nearer hit is of interest.
-    is_active: bool,
-    hit: Hit,
-}
 
 @compute @workgroup_size(TILE_RAYS)
 fn trace_tile(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
@@ -49,47 +40,59 @@ fn trace_tile(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
     let ray = rays[tile_idx * TILE_RAYS + lane];
     var tracer = start_ray(ray);
     let cone = cones[tile_idx];
-    let first = ranges[tile_idx].first;
     if (lane == 0u) {
-        shared_count = atomicLoad(&ranges[tile_idx].count);
+        let listed = atomicLoad(&ranges[tile_idx].count);
+        shared_count = select(listed, params.block_count, is_everywhere(cone));
+        atomicStore(&nearest_chunk, 0xffffffffu);
     }
-    let count = workgroupUniformLoad(&shared_count);
-
-    // Between which distances chunks lie, and how far rays reach.
-    atomicStore(&nearest_chunk, 0xffffffffu);
-    workgroupBarrier();
-    for (var idx = lane; idx < count; idx += TILE_RAYS) {
-        let bits = bitcast<u32>(near_distance(cone, chunks[list[first + idx]]));
-        atomicMin(&nearest_chunk, bits);
-        atomicMax(&farthest_chunk, bits);
-    }
-    let round_count = select(1u, ROUNDS, count > TILE_RAYS);
+    let block_count = workgroupUniformLoad(&shared_count);
+    let blocks = Blocks(ranges[tile_idx].first, block_count, is_everywhere(cone));
+    find_distances(blocks, cone, lane);
+    let round_count = select(1u, ROUNDS, block_count > BLOCKS_AT_ONCE);
     for (var round = 0u; round < round_count; round++) {
-        for (var begin = 0u; begin < count; begin += TILE_RAYS) {
-            let bounds = bounds_of_round(&tracer, round, round_count, lane);
-            if (begin + lane < count) {
-                let chunk_idx = list[first + begin + lane];
-                let near = near_distance(cone, chunks[chunk_idx]);
-                if (near >= bounds.x && near < bounds.y && near <= bounds.z) {
-                    round_chunks[atomicAdd(&round_chunk_count, 1u)] = chunk_idx;
-                }
+        var bounds = bounds_of_round(&tracer, round, round_count, lane);
+        for (var begin = 0u; begin < block_count; begin += BLOCKS_AT_ONCE) {
+            if (bounds.z < 0.0) {
+                break;
             }
-            meet_chunks(&tracer, cone, lane);
+            keep_chunk(blocks, begin, cone, bounds, lane);
+            if (meet_kept_chunks(&tracer, cone, TILE_RAYS, lane)) {
+                bounds = bounds_of_round(&tracer, round, round_count, lane);
+            }
         }
+        meet_kept_chunks(&tracer, cone, 0u, lane);
     }
     if (is_active(ray)) {
         hits[ray.slot] = tracer.hit;
     }
+    count_tests(tracer.tests, round_count * block_count, lane);
 }
 
-fn start_ray(ray: Ray) -> Tracer {
-    let size = abs(ray.direction);
-    let largest = max(max(size.x, size.y), size.z);
-    let prepared = prepare_ray(ray.origin, ray.direction, ray.t_min, ray.mask);
-    let hit = hits[ray.slot];
-    let is_answered = params.question == QUESTION_OCCLUDED && hit.rank != NO_RANK;
-    let counts = is_active(ray) && !is_answered;
-    return Tracer(prepared, largest * length(prepared.direction), counts, hit);
+// The blocks of a tile.
+struct Blocks {
+    // Where they begin in the list.
+    first: u32,
+    count: u32,
+    // Whether they are all there are, and not in the list.
+    are_all: bool,
+}
+
+fn chunk_of(blocks: Blocks, idx: u32, lane: u32) -> u32 {
+    var block_idx = idx;
+    if (!blocks.are_all) {
+        block_idx = list[blocks.first + idx];
+    }
+    return block_idx * BLOCK_CHUNKS + lane % BLOCK_CHUNKS;
+}
+
+// Between which distances chunks lie, from one of each block: rounds need not be even.
+fn find_distances(blocks: Blocks, cone: Cone, lane: u32) {
+    for (var idx = lane; idx < blocks.count; idx += TILE_RAYS) {
+        let chunk_idx = min(chunk_of(blocks, idx, lane), arrayLength(&chunks) - 1u);
+        let bits = bitcast<u32>(near_distance(cone, chunks[chunk_idx]));
+        atomicMin(&nearest_chunk, bits);
+        atomicMax(&farthest_chunk, bits);
+    }
 }
 
 // The distances at which the chunks of a round begin and end, and beyond which nothing is of
@@ -99,15 +102,12 @@ fn bounds_of_round(tracer: ptr<function, Tracer>, round: u32, round_count: u32,
     workgroupBarrier();
     if (lane == 0u) {
         atomicStore(&farthest_hit, 0u);
-        atomicStore(&round_chunk_count, 0u);
     }
     workgroupBarrier();
     if ((*tracer).is_active) {
-        let t = max((*tracer).hit.t, 0.0);
-        let reach = t * (*tracer).length * (1.0 + CONE_SLACK);
-        let bits = bitcast<u32>(select(reach, FARTHEST, t > 1e20 || reach > FARTHEST));
+        let reach = max(end_of(tracer), 0.0) * (1.0 + CONE_SLACK);
         // More than 0, which stands for no active ray.
-        atomicMax(&farthest_hit, bits + 1u);
+        atomicMax(&farthest_hit, bitcast<u32>(reach) + 1u);
     }
     workgroupBarrier();
     if (lane == 0u) {
@@ -123,61 +123,56 @@ fn bounds_of_round(tracer: ptr<function, Tracer>, round: u32, round_count: u32,
     return workgroupUniformLoad(&shared_bounds);
 }
 
-// Each ray against the primitives of the chunks of this round that the tile may hit.
-fn meet_chunks(tracer: ptr<function, Tracer>, cone: Cone, lane: u32) {
+// Keeps a chunk of the next blocks if the tile may hit something of it in this round.
+fn keep_chunk(blocks: Blocks, begin: u32, cone: Cone, bounds: vec3f, lane: u32) {
+    let idx = begin + lane / BLOCK_CHUNKS;
+    if (idx < blocks.count) {
+        let chunk_idx = chunk_of(blocks, idx, lane);
+        if (chunk_idx < arrayLength(&chunks)) {
+            let sphere = chunks[chunk_idx];
+            let near = near_distance(cone, sphere);
+            let is_now = near >= bounds.x && near < bounds.y && near <= bounds.z;
+            if (is_now && cone_touches(cone, sphere)) {
+                let place = atomicAdd(&kept_count, 1u);
+                kept_chunks[place] = chunk_idx;
+                kept_spheres[place] = sphere;
+            }
+        }
+    }
+}
+
+// Meets the chunks that are kept, where they are more than `most`; tells if they were.
+fn meet_kept_chunks(tracer: ptr<function, Tracer>, cone: Cone, most: u32, lane: u32) -> bool {
     workgroupBarrier();
     if (lane == 0u) {
-        shared_count = atomicLoad(&round_chunk_count);
-        atomicAdd(&counters.chunk_tests, shared_count);
+        shared_count = atomicLoad(&kept_count);
     }
     let chunk_count = workgroupUniformLoad(&shared_count);
-    for (var begin = 0u; begin < chunk_count; begin += CHUNKS_AT_ONCE) {
-        if (lane == 0u) {
-            atomicStore(&near_prim_count, 0u);
-        }
-        workgroupBarrier();
-        let place = begin + lane / CHUNK_PRIMS;
-        if (place < chunk_count) {
-            let prim_idx = round_chunks[place] * CHUNK_PRIMS + lane % CHUNK_PRIMS;
-            keep_if_near(prim_idx, cone);
-        }
+    if (chunk_count > most) {
+        meet_chunks(tracer, cone, chunk_count, lane);
         workgroupBarrier();
         if (lane == 0u) {
-            shared_count = atomicLoad(&near_prim_count);
+            atomicStore(&kept_count, 0u);
         }
-        meet_primitives(tracer, workgroupUniformLoad(&shared_count), lane);
         workgroupBarrier();
     }
+    return chunk_count > most;
 }
 
-fn keep_if_near(prim_idx: u32, cone: Cone) {
-    if (prim_idx < arrayLength(&primitives)) {
-        let prim = primitives[prim_idx];
-        if (cone_touches(cone, bounding_sphere(prim))) {
-            near_prims[atomicAdd(&near_prim_count, 1u)] = prim;
-        }
+// Adds the tests of the tile to those of all.
+fn count_tests(tests: vec3u, asked_blocks: u32, lane: u32) {
+    for (var kind = 0u; kind < 3u; kind++) {
+        atomicAdd(&test_sums[kind], tests[kind]);
     }
-}
-
-fn meet_primitives(tracer: ptr<function, Tracer>, prim_count: u32, lane: u32) {
-    var sphere_count = 0u;
-    for (var idx = 0u; idx < prim_count; idx++) {
-        let prim = near_prims[idx];
-        sphere_count += prim.kind;
-        if ((*tracer).is_active) {
-            meet_primitive(tracer, prim);
-        }
-    }
-    if (lane == 0u && prim_count > 0u) {
-        atomicAdd(&counters.triangle_tests, prim_count - sphere_count);
-        atomicAdd(&counters.sphere_tests, sphere_count);
+    workgroupBarrier();
+    if (lane == 0u) {
+        atomicAdd(&counters.cone_tests, asked_blocks);
+        atomicAdd(&counters.ray_tests, in_tiles(atomicLoad(&test_sums[0])));
+        atomicAdd(&counters.triangle_tests, in_tiles(atomicLoad(&test_sums[1])));
+        atomicAdd(&counters.sphere_tests, in_tiles(atomicLoad(&test_sums[2])));
     }
 }
 
-fn meet_primitive(tracer: ptr<function, Tracer>, prim: Primitive) {
-    let found = intersect((*tracer).ray, prim, (*tracer).hit.t);
-    if (is_nearer(found, prim.rank, (*tracer).hit)) {
-        (*tracer).hit = Hit(found.t, found.u, found.v, prim.rank);
-        (*tracer).is_active = params.question != QUESTION_OCCLUDED;
-    }
+fn in_tiles(tests: u32) -> u32 {
+    return (tests + TILE_RAYS - 1u) / TILE_RAYS;
 }

@@ -24,12 +24,17 @@ struct Cone {
 
 const EMPTY_CONE = Cone(vec3f(0.0), 0.0, vec3f(0.0, 0.0, 1.0), NOWHERE);
 
+// Whether the cone bounds nothing.
+fn is_everywhere(cone: Cone) -> bool {
+    return cone.sin > 1.0;
+}
+
 // Whether a ray of the cone may meet the sphere; never false when one does.
 fn cone_touches(cone: Cone, sphere: vec4f) -> bool {
     if (cone.sin < 0.0 || sphere.w < 0.0) {
         return false;
     }
-    if (cone.sin > 1.0) {
+    if (is_everywhere(cone)) {
         return true;
     }
     let v = sphere.xyz - cone.center;

@@ -9,6 +9,7 @@ use crate::shaders;
 #[derive(Debug)]
 pub(super) struct Stages {
     pub(super) bound_chunks: ComputeStage,
+    pub(super) bound_blocks: ComputeStage,
     pub(super) bound_tiles: ComputeStage,
     pub(super) bound_nodes: ComputeStage,
     pub(super) bound_roots: ComputeStage,
@@ -34,6 +35,7 @@ impl Stages {
         let refine = |is_last| stage(shaders::REFINE, &[("IS_LAST", is_last)]);
         Self {
             bound_chunks: stage(shaders::BOUND_CHUNKS, &[]),
+            bound_blocks: stage(shaders::BOUND_BLOCKS, &[]),
             bound_tiles: stage(shaders::BOUND_TILES, &[]),
             bound_nodes: bound(0, FIRST_NODE),
             bound_roots: bound(FIRST_NODE, FIRST_ROOT),

@@ -6,7 +6,7 @@ use rayflock_geom::{FrameChanges, Geometry, GeometryObject, HitBuffer, ObjectId,
 use rayflock_testkit::Rng;
 use rayflock_testkit::scenes::{SoupKind, triangle_soup};
 
-use super::{CHUNK_PRIMS, Compute};
+use super::{BLOCK_CHUNKS, CHUNK_PRIMS, Compute};
 use crate::GpuContext;
 use crate::layout::{Cone, DeviceHit, TileRange};
 use crate::method::{Method, Question};
@@ -25,7 +25,7 @@ fn trace(
 ) -> (Vec<DeviceHit>, u64) {
     let mut primitives = PrimitiveStore::default();
     primitives.commit(context, geometry, &FrameChanges::all(), "gpu:compute").unwrap();
-    let mut compute = Compute::with_capacity(context, 64, most);
+    let mut compute = Compute::with_capacity(context, most.min(64), most);
     let mut clock = StageClock::new(context);
     compute.prepare(context, &mut clock, &primitives);
     let (mut slots, mut run) = (Slots::default(), Run::default());
@@ -54,7 +54,7 @@ fn pairs_that_do_not_fit_are_never_dropped() {
     definition.closest_hit(&batch, &mut expected.as_hits());
     for context in contexts() {
         let (grown, grown_tests) = trace(context, 1 << 20, &geometry, &batch);
-        let (split, split_tests) = trace(context, 1024, &geometry, &batch);
+        let (split, split_tests) = trace(context, 8, &geometry, &batch);
         assert_eq!(grown, split);
         assert!(split_tests != grown_tests, "nothing was split");
         let same = (0..2000).filter(|&idx| grown[idx].rank == expected.prim_id[idx]).count();
@@ -93,6 +93,12 @@ fn check_stages(context: &GpuContext) {
         let expected = twins::bound_chunks(prims);
         assert!(near(chunk, &expected), "chunk {chunk_idx}: {chunk:?}, not {expected:?}");
     }
+    let blocks: Vec<twins::DeviceSphere> =
+        read(context, compute.blocks[0].buffer(), chunk_count.div_ceil(BLOCK_CHUNKS));
+    for (block_idx, (block, chunks)) in blocks.iter().zip(chunks.chunks(BLOCK_CHUNKS)).enumerate() {
+        let expected = twins::bound_blocks(chunks);
+        assert!(near(block, &expected), "block {block_idx}: {block:?}, not {expected:?}");
+    }
     let buffers = &compute.buffers;
     let cones: Vec<Cone> = read(context, buffers.cone_buffer(), 300);
     let ranges: Vec<TileRange> = read(context, buffers.range_buffer(), 300);
@@ -105,12 +111,16 @@ fn check_stages(context: &GpuContext) {
         assert!(near(&numbers(cone), &numbers(&expected)), "{cone:?}, not {expected:?}");
         let range = ranges[tile_idx];
         let listed = &list[range.first as usize..][..range.count as usize];
-        for (chunk_idx, chunk) in chunks.iter().enumerate() {
-            let apart = twins::refine(cone, *chunk);
-            let is_listed = listed.contains(&(chunk_idx as u32));
+        if expected.sin > 1.0 {
+            assert!(listed.is_empty(), "tile {tile_idx} needs no list");
+            continue;
+        }
+        for (block_idx, block) in blocks.iter().enumerate() {
+            let apart = twins::refine(cone, *block);
+            let is_listed = listed.contains(&(block_idx as u32));
             // What is neither clearly apart nor clearly touched may be on either side.
-            assert!(is_listed || apart > 1e-6, "{chunk_idx} is missing from tile {tile_idx}");
-            assert!(!is_listed || apart < 1e-4, "{chunk_idx} is too much in tile {tile_idx}");
+            assert!(is_listed || apart > 1e-6, "{block_idx} is missing from tile {tile_idx}");
+            assert!(!is_listed || apart < 1e-4, "{block_idx} is too much in tile {tile_idx}");
         }
     }
 }

@@ -8,7 +8,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Expression, Literal, Module, TypeInner};
 
 use super::{ALL, Shader};
-use crate::compute::{CHUNK_PRIMS, FAN_OUT, FIRST_NODE, FIRST_ROOT};
+use crate::compute::{BLOCK_CHUNKS, CHUNK_PRIMS, FAN_OUT, FIRST_NODE, FIRST_ROOT};
 use crate::frame::{FOLLOWED, HAS_NORMALS, HAS_UVS, IS_MIRRORED, MIRRORED, SHADOW};
 use crate::layout::{
     Attributes, Cone, Counters, DIRECTIONAL, DeviceEmitter, DeviceHit, DeviceLight,
@@ -96,18 +96,19 @@ fn host_and_device_agree_about_every_byte() {
     );
     assert_mirrors!("Hit", DeviceHit, t, u, v, rank);
     assert_mirrors!("Cone", Cone, center, radius, axis, sin);
-    assert_mirrors!("Params", Params, tile_count, chunk_count, pair_capacity, question);
+    assert_mirrors!("Params", Params, tile_count, block_count, pair_capacity, question);
     assert_mirrors!(
         "Counters",
         Counters,
         root_pairs,
         node_pairs,
         tile_pairs,
-        chunk_tests,
+        cone_tests,
+        ray_tests,
         triangle_tests,
         sphere_tests
     );
-    assert_mirrors!("Pair", Pair, cone_idx, chunk_idx);
+    assert_mirrors!("Pair", Pair, cone_idx, block_idx);
     assert_mirrors!("TileRange", TileRange, first, count);
 }
 
@@ -199,6 +200,7 @@ fn host_and_device_have_the_same_constants() {
         ("TILE_RAYS", TILE_RAYS as u32),
         ("EDGE", EDGE as u32),
         ("CHUNK_PRIMS", CHUNK_PRIMS as u32),
+        ("BLOCK_CHUNKS", BLOCK_CHUNKS as u32),
         ("FAN_OUT", FAN_OUT as u32),
         ("FIRST_NODE", FIRST_NODE as u32),
         ("FIRST_ROOT", FIRST_ROOT as u32),
