@@ -16,10 +16,27 @@ use anyhow::{Context, Result, bail, ensure};
 
 use crate::tools;
 
-/// How long each target runs where nothing is asked for.
-const USUAL: Duration = Duration::from_secs(60);
-/// How long each target runs among the other checks.
-const SHORT: Duration = Duration::from_secs(10);
+/// How much each target does where nothing is asked for.
+const USUAL: Effort = Effort::Seconds(60);
+/// How much each target does among the other checks.
+const SHORT: Effort = Effort::Seconds(10);
+
+/// How much a target does.
+#[derive(Clone, Copy)]
+enum Effort {
+    Seconds(u64),
+    Executions(u64),
+}
+
+impl Effort {
+    /// libFuzzer's option for it.
+    fn option(self) -> String {
+        match self {
+            Self::Seconds(seconds) => format!("-max_total_time={seconds}"),
+            Self::Executions(count) => format!("-runs={count}"),
+        }
+    }
+}
 
 /// What makes the compiler count, after the tool cargo-fuzz.
 const COUNTERS: [&str; 7] = [
@@ -36,13 +53,13 @@ const COUNTERS: [&str; 7] = [
 /// look closer at the first two.
 const LIMITS: [&str; 3] = ["-timeout=20", "-rss_limit_mb=2048", "-max_len=16384"];
 
-/// `[--minutes N] [TARGET]...`
+/// `[--minutes N | --executions N] [TARGET]...`
 pub(crate) fn run(root: &Path, words: &[&str]) -> Result<()> {
-    let (duration, targets) = match words {
-        ["--minutes", minutes, targets @ ..] => {
-            let minutes: f64 = minutes.parse().context("--minutes wants a number")?;
-            let duration = Duration::try_from_secs_f64(60.0 * minutes);
-            (duration.context("--minutes wants a number of minutes")?, targets)
+    let (effort, targets) = match words {
+        ["--minutes", minutes, targets @ ..] => (Effort::Seconds(seconds_of(minutes)?), targets),
+        ["--executions", count, targets @ ..] => {
+            let count = count.parse().context("--executions wants a whole number")?;
+            (Effort::Executions(count), targets)
         }
         targets => (USUAL, targets),
     };
@@ -51,7 +68,14 @@ pub(crate) fn run(root: &Path, words: &[&str]) -> Result<()> {
         bail!("there is no target \"{unknown}\"; there are {}", known.join(", "));
     }
     let chosen = known.into_iter().filter(|name| targets.is_empty() || targets.contains(&&**name));
-    Fuzzing::new(root)?.run(chosen.collect(), duration)
+    Fuzzing::new(root)?.run(chosen.collect(), effort)
+}
+
+/// Whole seconds in `minutes`, one at least.
+fn seconds_of(minutes: &str) -> Result<u64> {
+    let minutes: f64 = minutes.parse().context("--minutes wants a number")?;
+    let duration = Duration::try_from_secs_f64(60.0 * minutes);
+    Ok(duration.context("--minutes wants a number of minutes")?.as_secs().max(1))
 }
 
 /// A short run of all targets, where the machine has what it takes.
@@ -60,7 +84,7 @@ pub(crate) fn test(root: &Path) -> Result<()> {
         println!("== fuzzing: skipped: libFuzzer wants a C++ compiler on Linux or macOS");
         return Ok(());
     }
-    println!("== fuzzing: {} s a target", SHORT.as_secs());
+    println!("== fuzzing: {} a target", SHORT.option());
     Fuzzing::new(root)?.run(targets_in(root)?, SHORT)
 }
 
@@ -104,13 +128,13 @@ impl Fuzzing {
     }
 
     /// Runs these targets, as many at a time as there are processors, and tells what came of each.
-    fn run(&self, targets: Vec<String>, duration: Duration) -> Result<()> {
+    fn run(&self, targets: Vec<String>, effort: Effort) -> Result<()> {
         let workers = thread::available_parallelism().map_or(1, usize::from).min(targets.len());
         let waiting = Mutex::new(targets.into_iter());
         let next = || waiting.lock().map_or(None, |mut waiting| waiting.next());
         let work = || -> Result<()> {
             while let Some(name) = next() {
-                self.run_target(&name, duration)?;
+                self.run_target(&name, effort)?;
             }
             Ok(())
         };
@@ -122,7 +146,7 @@ impl Fuzzing {
         results.into_iter().collect()
     }
 
-    fn run_target(&self, name: &str, duration: Duration) -> Result<()> {
+    fn run_target(&self, name: &str, effort: Effort) -> Result<()> {
         let log = self.folder.join("logs").join(format!("{name}.log"));
         let output = File::create(&log).context("cannot write the log of a fuzz target")?;
         let artifacts = self.folder.join("artifacts").join(format!("{name}-"));
@@ -134,7 +158,7 @@ impl Fuzzing {
             fuzz.arg(known);
         }
         fuzz.args(LIMITS).arg("-print_final_stats=1");
-        fuzz.arg(format!("-max_total_time={}", duration.as_secs().max(1)));
+        fuzz.arg(effort.option());
         fuzz.arg(format!("-artifact_prefix={}", artifacts.display()));
         let status = fuzz.stderr(output).status().with_context(|| format!("cannot run {name}"))?;
         let words = fs::read(&log).context("cannot read the log of a fuzz target")?;

@@ -36,8 +36,9 @@ usage: cargo xtask COMMAND
 commands:
   embree  fetch the library Embree, which benchmarks and some tests want
   python  make the Python with which the package rayflock is tested
-  fuzz [--minutes N] [TARGET]...
-          have libFuzzer look for files that break the parsers, for a minute each or for N
+  fuzz [--minutes N | --executions N] [TARGET]...
+          have libFuzzer look for files that break the parsers: for a minute each, for N, or with
+          so many files
   test    format, lints, all tests, documentation and the invariants: what CI runs
   perf-check [--update]
           count the instructions of kernels and engines under valgrind; fails when one grew by more
