@@ -81,7 +81,8 @@ pub(crate) const TRACE_TILE: Shader = shader!(
     "shared/cone",
     "compute/params",
     "compute/tracer",
-    "compute/meet_chunks"
+    "compute/meet_chunks",
+    "compute/meet_alone"
 );
 pub(crate) const CAMERA_RAYS: Shader = shader!(
     "frame/camera_rays",

@@ -1,18 +1,18 @@
 // The rays of a tile against some chunks that its cone touches.
 //
 // Each ray asks the spheres around the chunks, 32 at a time, and has a bit for each that it
-// touches. Where few rays share a chunk, each goes through its own chunks alone. Where many do, the
+// touches. Where few rays share a chunk, `meet_alone` tests the pairs of both. Where many do, the
 // primitives that the cone touches are brought to workgroup memory, for all rays; each asks the
 // spheres around them in the same way.
 
 // Spheres that a ray asks at once: a bit each.
 const MASK_BITS: u32 = 32u;
 const CHUNKS_AT_ONCE: u32 = TILE_RAYS / CHUNK_PRIMS;
-// Rays go alone where less than one in so many touches a chunk.
+// Pairs are tested alone where less than one ray in so many touches a chunk.
 const SPARSE: u32 = 8u;
-// Room for the primitives that are kept, and how many are met at once: those that come next must
-// find room.
-const PRIM_ROOM: u32 = 2u * TILE_RAYS;
+// Primitives that are kept before they are met, and room for those that come with them.
+const PRIMS_AT_ONCE: u32 = 32u;
+const PRIM_ROOM: u32 = PRIMS_AT_ONCE + TILE_RAYS;
 
 var<workgroup> near_prims: array<Primitive, PRIM_ROOM>;
 var<workgroup> near_spheres: array<vec4f, PRIM_ROOM>;
@@ -38,7 +38,7 @@ fn meet_chunks(tracer: ptr<function, Tracer>, cone: Cone, chunk_count: u32, lane
             shared_count = atomicLoad(&touch_count);
         }
         if (workgroupUniformLoad(&shared_count) * SPARSE < count * TILE_RAYS) {
-            meet_alone(tracer, first, own);
+            meet_alone(tracer, first, own, lane);
         } else {
             meet_together(tracer, cone, first, count, lane);
         }
@@ -58,19 +58,6 @@ fn touched_chunks(tracer: ptr<function, Tracer>, first: u32, count: u32) -> u32 
     return bits;
 }
 
-// The chunks that the ray touches.
-fn meet_alone(tracer: ptr<function, Tracer>, first: u32, own: u32) {
-    var bits = own;
-    while (bits != 0u && (*tracer).is_active) {
-        let first_prim = kept_chunks[first + firstTrailingBit(bits)] * CHUNK_PRIMS;
-        let end = min(first_prim + CHUNK_PRIMS, arrayLength(&primitives));
-        for (var prim_idx = first_prim; prim_idx < end && (*tracer).is_active; prim_idx++) {
-            meet_primitive(tracer, primitives[prim_idx]);
-        }
-        bits &= bits - 1u;
-    }
-}
-
 // The chunks that any ray touches, for all rays.
 fn meet_together(tracer: ptr<function, Tracer>, cone: Cone, first: u32, count: u32, lane: u32) {
     let bits = atomicLoad(&touched);
@@ -79,7 +66,7 @@ fn meet_together(tracer: ptr<function, Tracer>, cone: Cone, first: u32, count: u
         if (idx < count && (bits >> idx & 1u) != 0u) {
             keep_if_near(kept_chunks[first + idx] * CHUNK_PRIMS + lane % CHUNK_PRIMS, cone);
         }
-        meet_kept(tracer, TILE_RAYS, lane);
+        meet_kept(tracer, PRIMS_AT_ONCE, lane);
     }
     meet_kept(tracer, 0u, lane);
     if (lane == 0u) {

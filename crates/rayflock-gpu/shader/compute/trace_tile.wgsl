@@ -39,6 +39,7 @@ fn trace_tile(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
     let tile_idx = group.x;
     let ray = rays[tile_idx * TILE_RAYS + lane];
     var tracer = start_ray(ray);
+    tile_rays[lane] = tracer.ray;
     let cone = cones[tile_idx];
     if (lane == 0u) {
         let listed = atomicLoad(&ranges[tile_idx].count);

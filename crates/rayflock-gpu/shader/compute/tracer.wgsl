@@ -52,11 +52,22 @@ fn ray_touches(tracer: ptr<function, Tracer>, end: f32, sphere: vec4f) -> bool {
 }
 
 fn meet_primitive(tracer: ptr<function, Tracer>, prim: Primitive) {
-    let is_sphere = prim.kind == SPHERE;
-    (*tracer).tests += vec3u(0u, select(1u, 0u, is_sphere), select(0u, 1u, is_sphere));
+    count_test(tracer, prim);
     let found = intersect((*tracer).ray, prim, (*tracer).hit.t);
-    if (is_nearer(found, prim.rank, (*tracer).hit)) {
-        (*tracer).hit = Hit(found.t, found.u, found.v, prim.rank);
+    if (found.accepted) {
+        take_hit(tracer, Hit(found.t, found.u, found.v, prim.rank));
+    }
+}
+
+// The hit takes the place of the nearest one so far if it is nearer.
+fn take_hit(tracer: ptr<function, Tracer>, hit: Hit) {
+    if ((*tracer).is_active && is_nearer(hit, (*tracer).hit)) {
+        (*tracer).hit = hit;
         (*tracer).is_active = params.question != QUESTION_OCCLUDED;
     }
+}
+
+fn count_test(tracer: ptr<function, Tracer>, prim: Primitive) {
+    let is_sphere = prim.kind == SPHERE;
+    (*tracer).tests += vec3u(0u, select(1u, 0u, is_sphere), select(0u, 1u, is_sphere));
 }

@@ -126,7 +126,7 @@ fn intersect(ray: PreparedRay, prim: Primitive, t_max: f32) -> Outcome {
     return intersect_triangle(ray, prim, t_max);
 }
 
-// Whether what a test found takes the place of the nearest hit so far, which it was bounded by.
-fn is_nearer(found: Outcome, rank: u32, nearest: Hit) -> bool {
-    return found.accepted && (found.t < nearest.t || rank < nearest.rank);
+// Whether a hit takes the place of the nearest one so far.
+fn is_nearer(hit: Hit, nearest: Hit) -> bool {
+    return hit.t < nearest.t || (hit.t == nearest.t && hit.rank < nearest.rank);
 }
