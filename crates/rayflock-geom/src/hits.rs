@@ -79,6 +79,7 @@ impl<'a> Hits<'a> {
     }
 
     /// What is known of ray `ray_idx`; columns that are absent read as in a miss.
+    #[inline]
     pub fn get(&self, ray_idx: usize) -> Hit {
         let [u, v] = self.uv.as_ref().map_or([0.0; 2], |uv| uv[ray_idx]);
         let id = |column: &Option<&mut [u32]>| column.as_ref().map_or(NO_ID, |ids| ids[ray_idx]);
@@ -207,6 +208,7 @@ impl HitBuffer {
     }
 
     /// What ray `ray_idx` hit.
+    #[inline]
     pub fn get(&self, ray_idx: usize) -> Hit {
         let [u, v] = self.uv[ray_idx];
         Hit {

@@ -134,6 +134,7 @@ impl Mesh {
     }
 
     /// What `prim_id` stands for.
+    #[inline]
     pub fn prim_kind(&self, prim_id: PrimId) -> PrimKind {
         let idx = prim_id.0 as usize;
         let (triangle_count, sphere_count) = (self.triangles.len(), self.spheres.len());
@@ -147,6 +148,7 @@ impl Mesh {
     }
 
     /// The three corners of triangle `triangle_idx`.
+    #[inline]
     pub fn corners(&self, triangle_idx: usize) -> [Vec3; 3] {
         self.triangles[triangle_idx].map(|vertex_idx| self.vertices[vertex_idx as usize])
     }

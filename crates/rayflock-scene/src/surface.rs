@@ -40,6 +40,7 @@ pub enum PrimMaterials {
 
 impl PrimMaterials {
     /// The material of primitive `prim_id`.
+    #[inline]
     pub fn get(&self, prim_id: PrimId) -> MaterialIdx {
         match self {
             Self::Uniform(material) => *material,

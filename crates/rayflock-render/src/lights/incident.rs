@@ -13,6 +13,7 @@ pub(crate) struct Incident {
 }
 
 /// What `light` sends to `position`; `None` where it sends nothing.
+#[inline]
 pub(crate) fn incident(light: &LightKind, position: Vec3) -> Option<Incident> {
     let (to_light, irradiance) = match *light {
         LightKind::Directional { direction, irradiance } => {

@@ -85,7 +85,9 @@ fn shade_ray(
         return;
     };
     let length = ray.direction.length();
-    path.weight *= (-path.absorption * (hit.t * length)).exp();
+    if path.absorption != Vec3::ZERO {
+        path.weight *= (-path.absorption * (hit.t * length)).exp();
+    }
 
     // What the surface itself sends out, and what it makes of ambient light.
     let material = frame.material(point.material);
