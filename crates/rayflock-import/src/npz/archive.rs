@@ -15,8 +15,10 @@ use crate::job::Job;
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// Bytes of that text; those of plain arrays have about a hundred.
 const TEXT_LIMIT: usize = 4096;
-/// Brackets in it: the parser descends into each.
+/// Brackets in it, and how deep they may stand in each other: the parser descends into each, more
+/// than once a level where what follows is broken. Those of records stand three deep.
 const BRACKET_LIMIT: usize = 32;
+const NESTING_LIMIT: usize = 3;
 
 /// A `.npz` file.
 #[derive(Debug)]
@@ -100,11 +102,27 @@ fn check_text(bytes: &[u8]) -> Result<usize, String> {
     // Behind the version and the length itself.
     let start = if version[0] == 1 { 4 } else { 6 };
     let text = version.get(start..start + length).ok_or("the end of the array")?;
-    match text.iter().filter(|byte| matches!(byte, b'(' | b'[' | b'{')).count() {
-        0..=BRACKET_LIMIT => check_shape(&String::from_utf8_lossy(text))?,
-        count => return Err(format!("a description with {count} brackets")),
-    }
+    check_brackets(text)?;
+    check_shape(&String::from_utf8_lossy(text))?;
     Ok(MAGIC.len() + start + length)
+}
+
+/// Checks that brackets are few, and do not stand deep in each other.
+fn check_brackets(text: &[u8]) -> Result<(), String> {
+    let (mut count, mut open, mut deepest) = (0, 0_usize, 0);
+    for byte in text {
+        match byte {
+            b'(' | b'[' | b'{' => (count, open) = (count + 1, open + 1),
+            b')' | b']' | b'}' => open = open.saturating_sub(1),
+            _ => {}
+        }
+        deepest = deepest.max(open);
+    }
+    match (count, deepest) {
+        (..=BRACKET_LIMIT, ..=NESTING_LIMIT) => Ok(()),
+        (..=BRACKET_LIMIT, _) => Err(format!("a description with brackets {deepest} deep")),
+        _ => Err(format!("a description with {count} brackets")),
+    }
 }
 
 /// Checks that the lengths of all axes can be multiplied, even where one is 0: the reader panics

@@ -266,6 +266,7 @@ fn files_that_claim_too_much_are_refused() {
         (zipped(b"\x93NUMPY\x09\0\0\0\0\0"), "an unknown version"),
         (zipped(&npy(&" ".repeat(9000))), "a description of 9000 bytes"),
         (zipped(&npy(&"(".repeat(4000))), "a description with 4000 brackets"),
+        (zipped(&npy("{'shape': (3,), {{{")), "a description with brackets 4 deep"),
         (zipped(&npy(&claim("(4000000000000, 3)"))), "array \"vertices\": found"),
         (zipped(&npy(&claim("(18446744073709551615, 3, 9999)"))), "array \"vertices\": found"),
         (zipped(&npy(&claim("(4000000000000, 0, 3)"))), "4000000000000 frames without rows"),

@@ -28,8 +28,17 @@ pub(crate) fn ask(target: &str, folder: &Path, bytes: &[u8]) -> Result<usize, St
         "npy" => {
             let Some((array, content)) = bytes.split_first() else { return Ok(0) };
             let mut arrays = arrays();
-            arrays[usize::from(*array) % arrays.len()].1 = content.to_vec();
-            load_in(folder, "a.npz", &npz(&arrays, CompressionMethod::Stored))
+            let chosen = usize::from(*array) % arrays.len();
+            arrays[chosen].1 = content.to_vec();
+            let name = arrays[chosen].0;
+            // The others that it is nothing without; to read all takes twice as long.
+            let company = match name {
+                "centers" | "radii" => ["centers", "radii"],
+                _ => ["vertices", "triangles"],
+            };
+            let mut few = arrays.to_vec();
+            few.retain(|(other, _)| *other == name || company.contains(other));
+            load_in(folder, "a.npz", &npz(&few, CompressionMethod::Stored))
         }
         "gz" => load_in(folder, "a.stl.gz", bytes),
         "pc2" | "mdd" => load_in(folder, &format!("b.{target}"), bytes),
