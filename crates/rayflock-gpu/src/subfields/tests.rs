@@ -1,10 +1,11 @@
 //! What only this engine has: subfields that last, rounds, and tiles.
 
 use glam::{DVec2, DVec3, Vec3};
-use rayflock_geom::{FrameChanges, Geometry, GeometryObject, ObjectId, RayBatch};
+use rayflock_geom::{FrameChanges, Geometry, GeometryObject, Mesh, ObjectId, RayBatch};
 use rayflock_testkit::Rng;
 use rayflock_testkit::scenes::{SoupKind, spheres, triangle_soup};
 
+use super::held::Held;
 use super::{Config, Grid, MOST_CELLS, PRIM_BITS, Subfields};
 use crate::GpuContext;
 use crate::layout::{
@@ -37,6 +38,12 @@ impl<'a> Bench<'a> {
         };
         bench.commit(geometry);
         bench
+    }
+
+    /// The same device and frame with other settings.
+    fn set(&mut self, config: Config) {
+        let (set, shared) = (Held::new(&config), Held::new(&config));
+        (self.subfields.config, self.subfields.set, self.subfields.shared) = (config, set, shared);
     }
 
     fn commit(&mut self, geometry: &Geometry) {
@@ -86,14 +93,16 @@ fn entries_that_do_not_fit_are_never_dropped() {
     let batch = RayBatch::new(&origins, &directions).unwrap();
     for context in contexts() {
         let config = Config { grid: Some(with_grid(4, 24)), ..Config::default() };
-        let (expected, whole) = Bench::new(context, config, &geometry).trace(&batch);
+        let mut bench = Bench::new(context, config, &geometry);
+        let (expected, whole) = bench.trace(&batch);
         // Grown, traced in rounds, with larger tiles, and with room for the tiles of few subfields.
         let grown = Config { first_capacity: 64, ..config };
         let in_rounds = Config { largest_capacity: whole.pairs as usize / 3, ..grown };
         let coarse = Config { largest_capacity: prim_count, ..grown };
         let few_tiles = Config { most_tiles: 3 * 24 * 24, ..config };
         for config in [grown, in_rounds, coarse, few_tiles] {
-            let (found, counts) = Bench::new(context, config, &geometry).trace(&batch);
+            bench.set(config);
+            let (found, counts) = bench.trace(&batch);
             assert_eq!(found, expected, "{config:?}");
             let is_coarse = config.largest_capacity == prim_count;
             assert_eq!(counts.pairs == whole.pairs, !is_coarse, "{config:?}: {counts:?}");
@@ -101,7 +110,23 @@ fn entries_that_do_not_fit_are_never_dropped() {
     }
 }
 
-/// One direction at a time, with a single tile: every ray meets every primitive it may see.
+/// Hits of a batch and the tests they took, with grids of other sizes.
+fn trace_with_grids(
+    context: &GpuContext,
+    geometry: &Geometry,
+    batch: &RayBatch<'_>,
+    grids: &[(usize, usize)],
+) -> Vec<(Vec<DeviceHit>, TestCounts)> {
+    let mut bench = Bench::new(context, Config::default(), geometry);
+    let trace = |&(direction_edge, tile_edge): &(usize, usize)| {
+        let grid = Some(with_grid(direction_edge, tile_edge));
+        bench.set(Config { grid, ..Config::default() });
+        bench.trace(batch)
+    };
+    grids.iter().map(trace).collect()
+}
+
+/// With a single tile for all directions, every ray meets every primitive at its depth.
 #[test]
 fn grids_of_every_size_give_the_same_answer() {
     let mut rng = Rng::new(62);
@@ -109,17 +134,51 @@ fn grids_of_every_size_give_the_same_answer() {
     let (origins, directions) = rays(&mut rng, 1000);
     let batch = RayBatch::new(&origins, &directions).unwrap();
     for context in contexts() {
-        let trace = |direction_edge, tile_edge| {
-            let grid = Some(with_grid(direction_edge, tile_edge));
-            let config = Config { grid, ..Config::default() };
-            Bench::new(context, config, &geometry).trace(&batch)
-        };
-        let (expected, all) = trace(1, 1);
+        let grids = [(1, 1), (1, 40), (16, 7), (3, 200)];
+        let mut traced = trace_with_grids(context, &geometry, &batch, &grids).into_iter();
+        let (expected, all) = traced.next().unwrap();
         assert!(expected.iter().filter(|hit| hit.t < f32::INFINITY).count() > 300);
-        for (direction_edge, tile_edge) in [(1, 40), (16, 7), (3, 200)] {
-            let (found, counts) = trace(direction_edge, tile_edge);
-            assert_eq!(found, expected, "{direction_edge}, {tile_edge}");
+        for (found, counts) in traced {
+            assert_eq!(found, expected);
             assert!(5 * counts.triangles < all.triangles, "{counts:?}, of {all:?}");
+        }
+    }
+}
+
+/// Rays along a shared direction, and to all sides, through the corners of a lattice on the borders
+/// of tiles: of six triangles that meet there, the one of lowest rank is hit.
+#[test]
+fn what_lies_on_the_border_of_a_tile_is_in_both() {
+    const EDGE: u32 = 16;
+    let place = |idx: u32| idx as f32 / (EDGE / 2) as f32 - 1.0;
+    let corner = |idx: u32| Vec3::new(place(idx % (EDGE + 1)), place(idx / (EDGE + 1)), 0.0);
+    let corners: Vec<_> = (0..(EDGE + 1) * (EDGE + 1)).map(corner).collect();
+    let halves = |idx: u32| {
+        let a = idx / EDGE * (EDGE + 1) + idx % EDGE;
+        [[a, a + 1, a + EDGE + 2], [a, a + EDGE + 2, a + EDGE + 1]]
+    };
+    let triangles: Vec<_> = (0..EDGE * EDGE).flat_map(halves).collect();
+    let mesh = Mesh::from_triangles(corners.clone(), triangles).unwrap();
+    let geometry = Geometry::new(vec![GeometryObject::new(ObjectId(0), mesh)]).unwrap();
+
+    let mut rng = Rng::new(66);
+    let shared = Vec3::new(0.3, -0.5, 1.0);
+    let directions: Vec<_> = corners.iter().map(|_| rng.in_cube() + 2.0 * Vec3::Z).collect();
+    let back = |(at, way): (&Vec3, Vec3)| *at - (0.3 + rng.unit()) * way;
+    let origins: Vec<_> = corners.iter().zip(directions.iter().copied()).map(back).collect();
+    let back = |at: &Vec3| *at - (0.3 + rng.unit()) * shared;
+    let shared_origins: Vec<_> = corners.iter().map(back).collect();
+    let around = RayBatch::new(&origins, &directions).unwrap();
+    let along = RayBatch::new(&shared_origins, shared).unwrap();
+    for context in contexts() {
+        for batch in [&around, &along] {
+            let grids = [(1, 1), (1, 8), (1, 16), (1, 32)];
+            let traced = trace_with_grids(context, &geometry, batch, &grids);
+            let ranks =
+                |hits: &[DeviceHit]| -> Vec<_> { hits.iter().map(|hit| hit.rank).collect() };
+            for (found, _) in &traced[1..] {
+                assert_eq!(ranks(found), ranks(&traced[0].0));
+            }
         }
     }
 }
@@ -156,9 +215,10 @@ fn only_directions_that_occur_are_written() {
     let two: Vec<_> = (0..640).map(|idx| if idx % 2 == 0 { Vec3::X } else { Vec3::Y }).collect();
     let config = Config { grid: Some(with_grid(8, 10)), ..Config::default() };
     for context in contexts() {
-        let pairs = |directions: &Vec<Vec3>| {
-            let batch = RayBatch::new(&origins, directions).unwrap();
-            Bench::new(context, config, &geometry).trace(&batch).1.pairs
+        let mut bench = Bench::new(context, config, &geometry);
+        let mut pairs = |directions: &Vec<Vec3>| {
+            bench.set(config);
+            bench.trace(&RayBatch::new(&origins, directions).unwrap()).1.pairs
         };
         let (two, all) = (pairs(&two), pairs(&all));
         assert!(two > 800 && 20 * two < all, "{two} of {all}");
