@@ -149,10 +149,12 @@ impl Subfields {
         span: &Span<'_>,
         hits: &mut [DeviceHit],
     ) -> Result<Option<TestCounts>, GpuError> {
+        // All rounds tell directions apart alike.
+        let origin = self.origin_of(span);
         let mut counts = TestCounts::default();
         let mut is_first = true;
         loop {
-            let encoder = self.encode_round(context, clock, span, is_first).encoder;
+            let encoder = self.encode_round(context, clock, span, origin, is_first).encoder;
             let counters = self.held(span).counter_buffer().clone();
             let found = self.buffers.read(context, encoder, &counters, hits)?;
             let Some(pairs) = self.held_mut(span).end_round(&found, span.part.count) else {
@@ -172,9 +174,9 @@ impl Subfields {
         context: &'a GpuContext,
         clock: &'a mut StageClock,
         span: &Span<'_>,
+        origin: Origin,
         is_first: bool,
     ) -> StageEncoder<'a> {
-        let origin = self.origin_of(span);
         let params = params_of(span, origin, self.held(span));
         self.buffers.send_params(context, &params);
         let mut encoder = StageEncoder::new(context, clock);
@@ -273,7 +275,7 @@ fn tests_of(found: &SubfieldCounters, pairs: u64) -> TestCounts {
     }
 }
 
-/// The direction of all rays that are traced, as a unit vector, if it is the same in every bit.
+/// The direction of all rays that are traced, as a unit vector, if they have one.
 fn shared_direction(rays: &[DeviceRay]) -> Option<Vec3> {
     let mut directions = rays.iter().filter(|ray| ray.is_active()).map(|ray| ray.direction);
     let first = directions.next()?;
