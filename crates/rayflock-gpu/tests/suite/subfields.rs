@@ -72,6 +72,10 @@ fn compare(bench: &mut Bench, engine: &mut GpuEngine, rays: &Rays) -> Tally {
     let near = turned.with_interval(1e-3, 12.8).unwrap();
     let sunny = RayBatch::new(&rays.points, Vec3::new(4.0, 20.0, 7.0)).unwrap();
     let all = [seen, turned, near, sunny].map(|batch| bench.compare(engine, &batch));
+    // Rays to all sides share nothing, and a grid spares them most tests all the same.
+    let stats = engine.closest_hit(&turned, &mut HitBuffer::new(turned.len()).as_hits());
+    let per_ray = stats.triangle_tests / stats.rays;
+    assert!(per_ray < 200, "{per_ray} tests a ray");
     let sum = |of: fn(&Tally) -> usize| all.iter().map(of).sum();
     Tally { hits: sum(|tally| tally.hits), ties: sum(|tally| tally.ties) }
 }
