@@ -33,14 +33,12 @@ fn render(
 
 #[test]
 fn pictures_are_those_of_the_cpu() {
-    use GpuEngineKind::{Compute, Raster, Subfields};
+    use GpuEngineKind::{Compute, Raster};
     let size = [48, 36];
     // Software drivers take long to draw many triangles.
-    for (name, kinds) in [
-        ("cornell", &[Raster, Compute, Subfields][..]),
-        ("museum5", &[Compute, Subfields]),
-        ("crowd", &[Compute]),
-    ] {
+    for (name, kinds) in
+        [("cornell", &[Raster, Compute][..]), ("museum5", &[Compute]), ("crowd", &[Compute])]
+    {
         let (expected, ..) = render(name, size, create(EngineKind::Auto));
         for context in contexts() {
             for &kind in kinds {
@@ -56,13 +54,12 @@ fn pictures_are_those_of_the_cpu() {
     }
 }
 
-/// Tests of rays from the camera: tiles of rays are drawn only where their cones touch, and tiles of
-/// subfields hold few primitives. `gpu:brute` tests each ray against every primitive.
+/// Tests of rays from the camera: tiles are drawn only where their cones touch. `gpu:brute` tests
+/// each ray against every primitive.
 #[test]
-fn cones_and_subfields_spare_most_tests_of_coherent_rays() {
-    use GpuEngineKind::{Compute, Raster, Subfields};
+fn cones_spare_most_tests_of_coherent_rays() {
     for context in contexts() {
-        for kind in [Raster, Compute, Subfields] {
+        for kind in [GpuEngineKind::Raster, GpuEngineKind::Compute] {
             let engine = Box::new(GpuEngine::new(kind, context).unwrap());
             let (_, stats, prim_count) = render("museum3", [64, 48], engine);
             let primary = stats.stages.primary.trace;

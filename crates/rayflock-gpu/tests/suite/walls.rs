@@ -37,7 +37,7 @@ fn hall() -> Geometry {
 /// A ray in the hall: origin, direction, and the end of its interval.
 fn ray(rng: &mut Rng, idx: usize) -> (Vec3, Vec3, f32) {
     let (mut from, mut to) = (HALL * rng.in_cube(), HALL * rng.in_cube());
-    if idx % 2 == 0 {
+    if idx.is_multiple_of(2) {
         // Along a wall, just off its plane or in it.
         let (axis, off) = (rng.below(3), rng.pick(&[0.0, 1e-6, 1e-4, 1e-2]));
         from[axis] = HALL[axis] * (1.0 - off);
