@@ -21,6 +21,7 @@ use crate::raster::Raster;
 use crate::slots::{RUN_SLOTS, Run, Slots};
 use crate::stage_clock::StageClock;
 use crate::standby::Standby;
+use crate::subfields::{Config, Subfields};
 use crate::{GpuContext, GpuEngineKind, GpuEngineSpec, GpuError};
 
 /// Traces on a graphics device.
@@ -47,6 +48,7 @@ impl GpuEngine {
             GpuEngineKind::Brute => Box::new(Brute::new(context)),
             GpuEngineKind::Raster => Box::new(Raster::new(context)),
             GpuEngineKind::Compute => Box::new(Compute::new(context)),
+            GpuEngineKind::Subfields => Box::new(Subfields::new(context, Config::default())),
         };
         context.check()?;
         Ok(Self {

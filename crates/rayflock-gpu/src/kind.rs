@@ -15,11 +15,13 @@ pub enum GpuEngineKind {
     Raster,
     /// A tree of cones over the rays, and pairs refined by compaction.
     Compute,
+    /// A grid of primitives for each direction that rays go, written on the device.
+    Subfields,
 }
 
 impl GpuEngineKind {
     /// Every engine of this crate.
-    pub const ALL: [Self; 3] = [Self::Brute, Self::Raster, Self::Compute];
+    pub const ALL: [Self; 4] = [Self::Brute, Self::Raster, Self::Compute, Self::Subfields];
 
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
@@ -27,6 +29,7 @@ impl GpuEngineKind {
             Self::Brute => "gpu:brute",
             Self::Raster => "gpu:raster",
             Self::Compute => "gpu:compute",
+            Self::Subfields => "gpu:subfields",
         }
     }
 }

@@ -32,8 +32,8 @@ pub(crate) struct DeviceRay {
     pub(crate) t_max: f32,
     pub(crate) mask: u32,
     pub(crate) slot: u32,
-    pub(crate) unused_a: u32,
-    pub(crate) unused_b: u32,
+    pub(crate) cell: u32,
+    pub(crate) unused: u32,
 }
 
 impl DeviceRay {
@@ -45,12 +45,11 @@ impl DeviceRay {
         t_max: 0.0,
         mask: 0,
         slot: 0,
-        unused_a: 0,
-        unused_b: 0,
+        cell: 0,
+        unused: 0,
     };
 
     /// Whether the ray is traced.
-    #[cfg(test)]
     pub(crate) fn is_active(&self) -> bool {
         self.t_min <= self.t_max
     }
@@ -117,12 +116,58 @@ pub(crate) struct Pair {
     pub(crate) block_idx: u32,
 }
 
-/// `TileRange` of `compute/params.wgsl`.
+/// `TileRange` of `compute/params.wgsl`, and `SubfieldTile` of `subfields/params.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct TileRange {
     pub(crate) first: u32,
     pub(crate) count: u32,
+}
+
+/// `SubfieldParams` of `subfields/params.wgsl`.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct SubfieldParams {
+    pub(crate) shared_direction: [f32; 3],
+    pub(crate) is_shared: u32,
+    pub(crate) direction_edge: u32,
+    pub(crate) tile_edge: u32,
+    pub(crate) subfield_capacity: u32,
+    pub(crate) entry_capacity: u32,
+    pub(crate) prim_count: u32,
+    pub(crate) question: u32,
+    pub(crate) unused_a: u32,
+    pub(crate) unused_b: u32,
+}
+
+/// `SubfieldCounters` of `subfields/params.wgsl`.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct SubfieldCounters {
+    pub(crate) entries: u32,
+    pub(crate) entries_high: u32,
+    pub(crate) subfield_count: u32,
+    pub(crate) first_new: u32,
+    pub(crate) is_placed: u32,
+    pub(crate) left_count: u32,
+    pub(crate) triangle_tests: u32,
+    pub(crate) triangle_tests_high: u32,
+    pub(crate) sphere_tests: u32,
+    pub(crate) sphere_tests_high: u32,
+}
+
+/// `Subfield` of `subfields/params.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Subfield {
+    pub(crate) column: [f32; 3],
+    pub(crate) column_pad: f32,
+    pub(crate) row: [f32; 3],
+    pub(crate) row_pad: f32,
+    pub(crate) depth: [f32; 3],
+    pub(crate) depth_pad: f32,
+    pub(crate) center: [f32; 3],
+    pub(crate) radius: f32,
 }
 
 /// `FrameParams` of `frame/frame.wgsl`.

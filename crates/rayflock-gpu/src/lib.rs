@@ -9,6 +9,7 @@
 //! | `gpu:brute` | every primitive is drawn over all rays | you want what the others are measured by |
 //! | `gpu:raster` | primitives are drawn over the tiles of rays that may hit them | you want the hierarchical ray engine as published |
 //! | `gpu:compute` | a tree of cones over the rays, pairs refined by compaction | you want hits |
+//! | `gpu:subfields` | a grid of primitives for each direction that rays go, written on demand | many rays share a direction, or neighbours do not go alike |
 //!
 //! | Part | Use it when |
 //! |---|---|
@@ -51,6 +52,7 @@ mod slots;
 mod sort_rays;
 mod stage_clock;
 mod standby;
+mod subfields;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]

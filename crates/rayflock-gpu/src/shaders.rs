@@ -84,6 +84,21 @@ pub(crate) const TRACE_TILE: Shader = shader!(
     "compute/meet_chunks",
     "compute/meet_alone"
 );
+pub(crate) const BOUND_SCENE: Shader = shader!("subfields/bound_scene", "shared/primitive");
+pub(crate) const MARK_DIRECTIONS: Shader =
+    shader!("subfields/mark_directions", "shared/ray", "subfields/params");
+pub(crate) const OPEN_SUBFIELDS: Shader = shader!("subfields/open_subfields", "subfields/params");
+pub(crate) const WRITE_TILES: Shader =
+    shader!("subfields/write_tiles", "shared/primitive", "subfields/params");
+pub(crate) const PLACE_TILES: Shader = shader!("subfields/place_tiles", "subfields/params");
+pub(crate) const TRACE_RAYS: Shader = shader!(
+    "subfields/trace_rays",
+    "shared/primitive",
+    "shared/ray",
+    "shared/question",
+    "shared/intersect",
+    "subfields/params"
+);
 pub(crate) const CAMERA_RAYS: Shader = shader!(
     "frame/camera_rays",
     "shared/primitive",
@@ -148,6 +163,12 @@ pub(crate) const ALL: &[Shader] = &[
     PLAN_LISTS,
     FILL_LISTS,
     TRACE_TILE,
+    BOUND_SCENE,
+    MARK_DIRECTIONS,
+    OPEN_SUBFIELDS,
+    WRITE_TILES,
+    PLACE_TILES,
+    TRACE_RAYS,
     CAMERA_RAYS,
     BEGIN_WAVE,
     SHADE_SURFACE,

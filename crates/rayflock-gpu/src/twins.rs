@@ -4,7 +4,7 @@
 //! Functions have the names of the files in `shader/`; [`TWINS`] says for each stage where its
 //! definition is, or why it has none.
 
-use glam::Vec3;
+use glam::{DVec2, Vec3};
 
 use crate::layout::{Cone, DevicePrimitive, DeviceRay, SPHERE, TileRange};
 
@@ -50,6 +50,18 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
     ("compute/plan_lists", Twin::Here),
     ("compute/fill_lists", Twin::Elsewhere("the lists that `refine` makes")),
     ("compute/trace_tile", Twin::Elsewhere(BY_ANSWER)),
+    ("subfields/bound_scene", Twin::Here),
+    ("subfields/mark_directions", Twin::Here),
+    (
+        "subfields/open_subfields",
+        Twin::Elsewhere("any frame and any window will do that `write_tiles` agrees with"),
+    ),
+    ("subfields/write_tiles", Twin::Here),
+    (
+        "subfields/place_tiles",
+        Twin::Elsewhere("the tests of `write_tiles` find each entry in a place of its own"),
+    ),
+    ("subfields/trace_rays", Twin::Elsewhere(BY_ANSWER)),
     ("frame/camera_rays", Twin::Elsewhere(BY_PICTURE)),
     (
         "frame/begin_wave",
@@ -158,6 +170,47 @@ pub(crate) fn plan_lists(counts: &[u32]) -> Vec<TileRange> {
         TileRange { first, count }
     };
     counts.iter().map(place).collect()
+}
+
+/// The box around the primitives that rays may see: least and largest coordinates.
+pub(crate) fn bound_scene(prims: &[DevicePrimitive]) -> [Vec3; 2] {
+    let reach = |prim: &DevicePrimitive| {
+        let [a, b, c] = [prim.a, prim.b, prim.c].map(Vec3::from);
+        if prim.kind == SPHERE { [a - b.x, a + b.x] } else { [a.min(b).min(c), a.max(b).max(c)] }
+    };
+    let seen = prims.iter().filter(|prim| prim.mask != 0).map(reach);
+    let nothing = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+    seen.fold(nothing, |[low, high], [a, b]| [low.min(a), high.max(b)])
+}
+
+/// Where a direction lies among `edge` x `edge` cells of the unfolded hemisphere: column and row.
+pub(crate) fn mark_directions(direction: Vec3, edge: u32) -> [f32; 2] {
+    let upward = if direction.z < 0.0 { -direction } else { direction };
+    let scaled = upward / upward.abs().max_element();
+    let flat = scaled / scaled.abs().element_sum();
+    [flat.x + flat.y, flat.x - flat.y].map(|place| 0.5 * edge as f32 * (place + 1.0))
+}
+
+/// How far a primitive is from touching a square tile with this middle, in tiles: not above 0 where
+/// it is touched. The tile lists the primitives of which that is so. Seen along the direction of the
+/// subfield, the primitive is a triangle with these corners or, if it is a sphere, an ellipse with
+/// the first for its centre and the second for its half axes.
+pub(crate) fn write_tiles(prim: &DevicePrimitive, places: [DVec2; 3], middle: DVec2) -> f64 {
+    if prim.kind == SPHERE {
+        let [center, axes, _] = places;
+        let apart = ((center - middle).abs() - 0.5).max(DVec2::ZERO);
+        return ((apart / axes).length() - 1.0) * axes.min_element();
+    }
+    let corners = places.map(|place| place - middle);
+    let [a, b, c] = corners;
+    let edges = [b - a, c - b, a - c].map(|edge| edge.perp().normalize_or_zero());
+    let apart = |axis: DVec2| {
+        let along = corners.map(|corner| corner.dot(axis));
+        let [low, high] = [f64::min, f64::max].map(|pick| along.into_iter().reduce(pick));
+        let reach = 0.5 * axis.abs().element_sum();
+        low.zip(high).map_or(0.0, |(low, high)| low.max(-high) - reach)
+    };
+    edges.into_iter().chain([DVec2::X, DVec2::Y]).map(apart).fold(f64::NEG_INFINITY, f64::max)
 }
 
 fn center([x, y, z, _]: DeviceSphere) -> Vec3 {

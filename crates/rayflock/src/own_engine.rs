@@ -145,7 +145,7 @@ mod tests {
     #[cfg(feature = "gpu")]
     #[test]
     fn engines_on_the_graphics_card_are_parsed_as_they_are_printed() {
-        for text in ["gpu:brute", "gpu:raster@1", "gpu:compute@llvmpipe"] {
+        for text in ["gpu:brute", "gpu:raster@1", "gpu:compute@llvmpipe", "gpu:subfields"] {
             let engine: OwnEngine = text.parse().unwrap();
             assert!(engine.to_string() == text && !engine.is_on_cpu());
         }

@@ -21,7 +21,7 @@ pub(crate) struct EngineChoice {
     /// The engine that traces the rays: auto asks whichever of brute, hierarchy, bvh and
     /// subfields should answer soonest; to compare, in a program that has the command bench, also
     /// embree, embree:SETTING and obvhs; in one built with --features gpu also gpu:compute,
-    /// gpu:raster and gpu:brute.
+    /// gpu:subfields, gpu:raster and gpu:brute.
     ///
     /// Our own engines give the same picture in every bit, those of others nearly the same.
     /// subfields:SETTING sets how subfields are kept: on-demand, eager or locked; list; flat;

@@ -43,6 +43,7 @@ fn the_graphics_card_renders_like_ours() {
         return;
     }
     renders_like_ours(["engine", "gpu:compute@0"]);
+    renders_like_ours(["engine", "gpu:subfields@0"]);
     renders_like_ours(["device", "gpu:0"]);
     let work = Workplace::new();
     for words in ["--engine gpu:compute@99", "--device gpu:99"] {

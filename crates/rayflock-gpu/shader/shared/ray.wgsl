@@ -10,8 +10,9 @@ struct Ray {
     mask: u32,
     // Where its hit goes.
     slot: u32,
-    unused_a: u32,
-    unused_b: u32,
+    // Its direction among those of the engine of subfields, which writes it.
+    cell: u32,
+    unused: u32,
 }
 
 fn is_active(ray: Ray) -> bool {

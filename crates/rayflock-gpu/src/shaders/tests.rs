@@ -13,11 +13,12 @@ use crate::frame::{FOLLOWED, HAS_NORMALS, HAS_UVS, IS_MIRRORED, MIRRORED, SHADOW
 use crate::layout::{
     Attributes, Cone, Counters, DIRECTIONAL, DeviceEmitter, DeviceHit, DeviceLight,
     DevicePrimitive, DeviceRay, EMITTERS, FrameParams, NO_RANK, PATH_BYTES, POINT, POINT_BYTES,
-    Pair, Params, SPHERE, SPOT, TRIANGLE, TileRange,
+    Pair, Params, SPHERE, SPOT, Subfield, SubfieldCounters, SubfieldParams, TRIANGLE, TileRange,
 };
 use crate::method::Question;
 use crate::ray_textures::EDGE;
 use crate::slots::TILE_RAYS;
+use crate::subfields::{MOST_CELLS, PRIM_BITS};
 
 fn parse(shader: &Shader) -> Module {
     naga::front::wgsl::parse_str(shader.source)
@@ -91,9 +92,7 @@ macro_rules! assert_mirrors {
 #[test]
 fn host_and_device_agree_about_every_byte() {
     assert_mirrors!("Primitive", DevicePrimitive, a, mask, b, kind, c, rank);
-    assert_mirrors!(
-        "Ray", DeviceRay, origin, t_min, direction, t_max, mask, slot, unused_a, unused_b
-    );
+    assert_mirrors!("Ray", DeviceRay, origin, t_min, direction, t_max, mask, slot, cell, unused);
     assert_mirrors!("Hit", DeviceHit, t, u, v, rank);
     assert_mirrors!("Cone", Cone, center, radius, axis, sin);
     assert_mirrors!("Params", Params, tile_count, block_count, pair_capacity, question);
@@ -110,6 +109,42 @@ fn host_and_device_agree_about_every_byte() {
     );
     assert_mirrors!("Pair", Pair, cone_idx, block_idx);
     assert_mirrors!("TileRange", TileRange, first, count);
+}
+
+#[test]
+fn host_and_device_agree_about_every_byte_of_subfields() {
+    assert_mirrors!(
+        "SubfieldParams",
+        SubfieldParams,
+        shared_direction,
+        is_shared,
+        direction_edge,
+        tile_edge,
+        subfield_capacity,
+        entry_capacity,
+        prim_count,
+        question,
+        unused_a,
+        unused_b
+    );
+    assert_mirrors!(
+        "SubfieldCounters",
+        SubfieldCounters,
+        entries,
+        entries_high,
+        subfield_count,
+        first_new,
+        is_placed,
+        left_count,
+        triangle_tests,
+        triangle_tests_high,
+        sphere_tests,
+        sphere_tests_high
+    );
+    assert_mirrors!(
+        "Subfield", Subfield, column, column_pad, row, row_pad, depth, depth_pad, center, radius
+    );
+    assert_mirrors!("SubfieldTile", TileRange, first, count);
 }
 
 #[test]
@@ -204,6 +239,8 @@ fn host_and_device_have_the_same_constants() {
         ("FAN_OUT", FAN_OUT as u32),
         ("FIRST_NODE", FIRST_NODE as u32),
         ("FIRST_ROOT", FIRST_ROOT as u32),
+        ("MOST_CELLS", MOST_CELLS as u32),
+        ("PRIM_BITS", PRIM_BITS),
         ("POINT", POINT),
         ("DIRECTIONAL", DIRECTIONAL),
         ("SPOT", SPOT),

@@ -5,7 +5,7 @@
 //! finds the device's answer as right as the definition's.
 
 use glam::Vec3;
-use rayflock_engine::RayEngine;
+use rayflock_engine::{EngineKind, RayEngine, create};
 use rayflock_geom::{
     FrameChanges, Geometry, GeometryObject, Hit, HitBuffer, ObjectId, Ray, RayBatch, RayOrder,
 };
@@ -15,21 +15,21 @@ use rayflock_testkit::rays::{RayForm, RaySet, every_order};
 use rayflock_testkit::scenes::{ClosedMesh, SceneRecipe, SoupKind, spheres, triangle_soup};
 
 use crate::device::engines;
-use crate::scenes::{definition, frames};
+use crate::scenes::{commit_to, frames};
 
 /// How far `t` may be off, relative to the distance of the hit plus the size of the frame.
 const TOLERANCE: f64 = 1e-5;
 
 /// What came of comparing a batch.
 #[derive(Debug, Default)]
-struct Tally {
-    hits: usize,
+pub(crate) struct Tally {
+    pub(crate) hits: usize,
     /// Other primitives, or hits where the other sees none, that are as right.
-    ties: usize,
+    pub(crate) ties: usize,
 }
 
 /// A frame, its definition and its judge.
-struct Bench {
+pub(crate) struct Bench {
     geometry: Geometry,
     definition: Box<dyn RayEngine>,
     oracle: Oracle,
@@ -37,18 +37,23 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(geometry: &Geometry) -> Self {
+    pub(crate) fn new(geometry: &Geometry) -> Self {
+        Self::against(geometry, EngineKind::Brute)
+    }
+
+    /// With an engine on the CPU, which all give the same answer, to tell it.
+    pub(crate) fn against(geometry: &Geometry, kind: EngineKind) -> Self {
         let bounds = geometry.bounds();
         let size = if bounds.is_empty() { Vec3::ZERO } else { bounds.max - bounds.min };
         Self {
             geometry: geometry.clone(),
-            definition: definition(geometry),
+            definition: commit_to(kind, geometry),
             oracle: Oracle::new(geometry),
             size: f64::from(size.length()),
         }
     }
 
-    fn commit_to(&self, engine: &mut dyn RayEngine, changes: &FrameChanges) {
+    pub(crate) fn commit_to(&self, engine: &mut dyn RayEngine, changes: &FrameChanges) {
         let expected = self.definition_stats();
         let stats = engine.commit(&self.geometry, changes).unwrap();
         let found = (stats.prim_count, stats.non_finite_count, stats.degenerate_count);
@@ -56,19 +61,20 @@ impl Bench {
     }
 
     fn definition_stats(&self) -> (usize, usize, usize) {
-        let mut engine = definition(&Geometry::default());
+        let mut engine = create(EngineKind::Brute);
         let stats = engine.commit(&self.geometry, &FrameChanges::all()).unwrap();
         (stats.prim_count, stats.non_finite_count, stats.degenerate_count)
     }
 
     /// Asks both questions of the engine and compares.
-    fn compare(&mut self, engine: &mut dyn RayEngine, batch: &RayBatch<'_>) -> Tally {
+    pub(crate) fn compare(&mut self, engine: &mut dyn RayEngine, batch: &RayBatch<'_>) -> Tally {
         let (mut found, mut expected) = (HitBuffer::new(batch.len()), HitBuffer::new(batch.len()));
         let stats = engine.closest_hit(batch, &mut found.as_hits());
         let expected_stats = self.definition.closest_hit(batch, &mut expected.as_hits());
         assert_eq!(stats.invalid_rays, expected_stats.invalid_rays, "{}", engine.name());
         let mut occluded: Vec<bool> = (0..batch.len()).map(|idx| idx % 2 == 0).collect();
         engine.occluded(batch, &mut occluded);
+        assert_eq!(engine.notice(), None, "{}: the device answers, not the CPU", engine.name());
         let mut tally = Tally::default();
         for (idx, &occluded) in occluded.iter().enumerate() {
             let (ray, name) = (batch.ray(idx), engine.name());

@@ -12,3 +12,5 @@ mod loss;
 mod pictures;
 mod scenes;
 mod stats;
+mod subfields;
+mod walls;

@@ -1,4 +1,4 @@
-//! Geometry that devices can trace, and the engine that defines the answer.
+//! Geometry that devices can trace, and engines that tell the answer.
 
 use rayflock_engine::{EngineKind, RayEngine, create};
 use rayflock_geom::{FrameChanges, Geometry};
@@ -10,9 +10,9 @@ pub(crate) fn frames(recipe: &SceneRecipe, count: usize) -> Vec<Geometry> {
     recipe.frames(count).iter().map(is_held).collect()
 }
 
-/// The engine that defines the answer, with a frame.
-pub(crate) fn definition(geometry: &Geometry) -> Box<dyn RayEngine> {
-    let mut engine = create(EngineKind::Brute);
+/// An engine on the CPU, with a frame.
+pub(crate) fn commit_to(kind: EngineKind, geometry: &Geometry) -> Box<dyn RayEngine> {
+    let mut engine = create(kind);
     engine.commit(geometry, &FrameChanges::all()).unwrap();
     engine
 }
