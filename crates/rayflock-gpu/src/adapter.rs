@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::str::FromStr;
+use std::sync::OnceLock;
 
 use arrayvec::ArrayString;
 use wgpu::{Adapter, Backends, DeviceType, Instance, InstanceDescriptor};
@@ -116,12 +117,20 @@ fn position(choice: AdapterChoice, names: &[String]) -> Option<usize> {
 }
 
 fn find_adapters() -> Vec<Adapter> {
-    let mut descriptor = InstanceDescriptor::new_without_display_handle();
-    descriptor.backends = BACKENDS;
-    let instance = Instance::new(descriptor);
-    let mut adapters = pollster::block_on(instance.enumerate_adapters(BACKENDS));
+    let mut adapters = pollster::block_on(instance().enumerate_adapters(BACKENDS));
     adapters.sort_by_key(|adapter| preference(adapter.get_info().device_type));
     adapters
+}
+
+/// The way to all drivers, opened once and kept: with the last one that is closed, drivers are
+/// unloaded, and one of them crashed where another thread opened one at that moment.
+fn instance() -> &'static Instance {
+    static INSTANCE: OnceLock<Instance> = OnceLock::new();
+    INSTANCE.get_or_init(|| {
+        let mut descriptor = InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = BACKENDS;
+        Instance::new(descriptor)
+    })
 }
 
 const fn preference(kind: DeviceType) -> u8 {
