@@ -5,6 +5,7 @@
 //! that the next run goes on from there; inputs that fail are put into `fuzz/artifacts/` beside it.
 //! `cargo fuzz` works too, with `--sanitizer none` on stable Rust.
 
+use std::fmt;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -34,6 +35,15 @@ impl Effort {
         match self {
             Self::Seconds(seconds) => format!("-max_total_time={seconds}"),
             Self::Executions(count) => format!("-runs={count}"),
+        }
+    }
+}
+
+impl fmt::Display for Effort {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Seconds(seconds) => write!(f, "{seconds} s"),
+            Self::Executions(count) => write!(f, "{count} executions"),
         }
     }
 }
@@ -84,7 +94,7 @@ pub(crate) fn test(root: &Path) -> Result<()> {
         println!("== fuzzing: skipped: libFuzzer wants a C++ compiler on Linux or macOS");
         return Ok(());
     }
-    println!("== fuzzing: {} a target", SHORT.option());
+    println!("== fuzzing: {SHORT} a target");
     Fuzzing::new(root)?.run(targets_in(root)?, SHORT)
 }
 
