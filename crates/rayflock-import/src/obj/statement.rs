@@ -22,7 +22,7 @@ impl Statement<'_> {
 
     /// Everything after the first word: names may hold spaces.
     pub(super) fn rest(&self) -> &str {
-        self.text[self.keyword().len()..].trim()
+        self.text.trim_start()[self.keyword().len()..].trim()
     }
 
     /// The statement, for messages.
