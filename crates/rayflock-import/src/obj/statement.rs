@@ -75,4 +75,11 @@ mod tests {
         assert_eq!(all, [(2, "1 2 3".into()), (5, "two words".into()), (6, String::new())]);
         assert_eq!(statements(text).next().unwrap().numbers(), Ok(vec![1.0, 2.0, 3.0]));
     }
+
+    #[test]
+    fn space_before_the_keyword_is_no_part_of_the_rest() {
+        let text = "\u{a0}g a b\n\\\nusemtl two words\n".as_bytes();
+        let all: Vec<_> = statements(text).map(|s| s.rest().to_owned()).collect();
+        assert_eq!(all, ["a b", "two words"]);
+    }
 }

@@ -36,8 +36,8 @@ pub(crate) fn ask(target: &str, folder: &Path, bytes: &[u8]) -> Result<usize, St
                 "centers" | "radii" => ["centers", "radii"],
                 _ => ["vertices", "triangles"],
             };
-            let mut few = arrays.to_vec();
-            few.retain(|(other, _)| *other == name || company.contains(other));
+            let is_read = |(other, _): &(&str, Vec<u8>)| *other == name || company.contains(other);
+            let few: Vec<_> = arrays.into_iter().filter(is_read).collect();
             load_in(folder, "a.npz", &npz(&few, CompressionMethod::Stored))
         }
         "gz" => load_in(folder, "a.stl.gz", bytes),
