@@ -6,10 +6,17 @@ use wgpu::{
     BufferBinding, BufferDescriptor, BufferSize, BufferUsages, CommandEncoder, MapMode, PollType,
 };
 
+use crate::layout::DeviceHit;
 use crate::{GpuContext, GpuError};
 
 /// The least size of a buffer, in bytes: what a uniform of a few numbers takes.
 const SMALLEST: u64 = 256;
+
+/// Bytes of the counts of workgroups by which a stage is dispatched.
+pub(crate) const DISPATCH_BYTES: usize = 12;
+
+/// Where hits lie in what is read back, behind the counters.
+const HITS_OFFSET: usize = 256;
 
 /// A buffer that is made anew, twice as large at least, when it is too small. What it held is
 /// lost then.
@@ -24,6 +31,16 @@ impl GrowingBuffer {
     /// A buffer that takes no memory yet. Data can be copied to and from it, whatever its usage.
     pub(crate) const fn new(label: &'static str, usage: BufferUsages) -> Self {
         Self { label, usage, buffer: None }
+    }
+
+    /// A buffer that stages read and write.
+    pub(crate) const fn storage(label: &'static str) -> Self {
+        Self::new(label, BufferUsages::STORAGE)
+    }
+
+    /// A buffer for the counts of workgroups by which a stage is dispatched.
+    pub(crate) const fn dispatch() -> Self {
+        Self::new("dispatch", BufferUsages::STORAGE.union(BufferUsages::INDIRECT))
     }
 
     /// The buffer, with room for so many bytes.
@@ -147,6 +164,32 @@ impl ReadBack {
         }
         buffer.unmap();
         context.check()
+    }
+
+    /// Runs what is encoded, and reads counters and the first hits.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`] when the device fails.
+    pub(crate) fn run_for_hits<Counters: bytemuck::Pod>(
+        &mut self,
+        context: &GpuContext,
+        mut encoder: CommandEncoder,
+        [counters, source]: [&Buffer; 2],
+        hits: &mut [DeviceHit],
+    ) -> Result<Counters, GpuError> {
+        const { assert!(size_of::<Counters>() <= HITS_OFFSET) };
+        let (counter_bytes, hit_bytes) = (size_of::<Counters>(), size_of_val(hits));
+        let bytes = HITS_OFFSET + hit_bytes;
+        let target = self.target(context, bytes);
+        let (offset, size) = (HITS_OFFSET as u64, Some(hit_bytes as u64));
+        encoder.copy_buffer_to_buffer(counters, 0, &target, 0, Some(counter_bytes as u64));
+        encoder.copy_buffer_to_buffer(source, 0, &target, offset, size);
+        let mut found = Counters::zeroed();
+        self.run(context, encoder, bytes, |bytes| {
+            found = bytemuck::pod_read_unaligned(&bytes[..counter_bytes]);
+            hits.copy_from_slice(bytemuck::cast_slice(&bytes[HITS_OFFSET..]));
+        })?;
+        Ok(found)
     }
 
     /// Runs what is encoded, and reads the number of two words that `source` begins with then.

@@ -356,10 +356,9 @@ impl Method for Compute {
         clock: &mut StageClock,
         primitives: &PrimitiveStore,
     ) {
-        let usage = wgpu::BufferUsages::STORAGE;
         let part_count = primitives.parts().count();
-        self.chunks.resize_with(part_count, || GrowingBuffer::new("chunks", usage));
-        self.blocks.resize_with(part_count, || GrowingBuffer::new("blocks", usage));
+        self.chunks.resize_with(part_count, || GrowingBuffer::storage("chunks"));
+        self.blocks.resize_with(part_count, || GrowingBuffer::storage("blocks"));
         let mut encoder = StageEncoder::new(context, clock);
         let spheres = self.chunks.iter_mut().zip(&mut self.blocks);
         for (part, (chunks, blocks)) in primitives.parts().zip(spheres) {

@@ -56,10 +56,15 @@ pub(crate) const RASTER_TRACE_TILE: Shader = shader!(
     "shared/ray_textures",
     "shared/draw"
 );
-pub(crate) const BOUND_CHUNKS: Shader =
-    shader!("compute/bound_chunks", "shared/primitive", "shared/limits", "compute/params");
+pub(crate) const BOUND_CHUNKS: Shader = shader!(
+    "compute/bound_chunks",
+    "shared/primitive",
+    "shared/limits",
+    "compute/params",
+    "compute/sphere_around"
+);
 pub(crate) const BOUND_BLOCKS: Shader =
-    shader!("compute/bound_blocks", "shared/limits", "compute/params");
+    shader!("compute/bound_blocks", "shared/limits", "compute/params", "compute/sphere_around");
 pub(crate) const BOUND_TILES: Shader =
     shader!("compute/bound_tiles", "shared/ray", "shared/limits", "shared/cone", "compute/params");
 pub(crate) const BOUND_NODES: Shader =

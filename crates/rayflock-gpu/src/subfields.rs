@@ -33,7 +33,6 @@ mod tests;
 
 use glam::Vec3;
 use rayflock_engine::Budget;
-use wgpu::BufferUsages;
 
 use self::buffers::Buffers;
 use self::choose_grid::{Grid, choose_grid};
@@ -111,7 +110,7 @@ impl Subfields {
             config,
             stages: Stages::new(context),
             buffers: Buffers::new(),
-            boxes: GrowingBuffer::new("boxes", BufferUsages::STORAGE),
+            boxes: GrowingBuffer::storage("boxes"),
             set: Held::new(&config),
             shared: Held::new(&config),
         }

@@ -12,22 +12,9 @@ fn bound_blocks(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) gr
     }
     let first = block_idx * BLOCK_CHUNKS;
     let end = min(first + BLOCK_CHUNKS, arrayLength(&chunks));
-    var low = vec3f(LARGEST);
-    var high = vec3f(-LARGEST);
-    for (var chunk_idx = first; chunk_idx < end; chunk_idx++) {
-        let sphere = chunks[chunk_idx];
-        if (sphere.w >= 0.0) {
-            low = min(low, sphere.xyz);
-            high = max(high, sphere.xyz);
-        }
-    }
-    let center = 0.5 * low + 0.5 * high;
-    var radius = -1.0;
-    for (var chunk_idx = first; chunk_idx < end; chunk_idx++) {
-        let sphere = chunks[chunk_idx];
-        if (sphere.w >= 0.0) {
-            radius = max(radius, distance(sphere.xyz, center) + sphere.w);
-        }
-    }
-    blocks[block_idx] = vec4f(center, radius);
+    blocks[block_idx] = sphere_around(first, end);
+}
+
+fn sphere_at(idx: u32) -> vec4f {
+    return chunks[idx];
 }

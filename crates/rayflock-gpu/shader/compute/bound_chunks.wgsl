@@ -12,22 +12,9 @@ fn bound_chunks(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) gr
     }
     let first = chunk_idx * CHUNK_PRIMS;
     let end = min(first + CHUNK_PRIMS, arrayLength(&primitives));
-    var low = vec3f(LARGEST);
-    var high = vec3f(-LARGEST);
-    for (var prim_idx = first; prim_idx < end; prim_idx++) {
-        let sphere = bounding_sphere(primitives[prim_idx]);
-        if (sphere.w >= 0.0) {
-            low = min(low, sphere.xyz);
-            high = max(high, sphere.xyz);
-        }
-    }
-    let center = 0.5 * low + 0.5 * high;
-    var radius = -1.0;
-    for (var prim_idx = first; prim_idx < end; prim_idx++) {
-        let sphere = bounding_sphere(primitives[prim_idx]);
-        if (sphere.w >= 0.0) {
-            radius = max(radius, distance(sphere.xyz, center) + sphere.w);
-        }
-    }
-    chunks[chunk_idx] = vec4f(center, radius);
+    chunks[chunk_idx] = sphere_around(first, end);
+}
+
+fn sphere_at(idx: u32) -> vec4f {
+    return bounding_sphere(primitives[idx]);
 }

@@ -33,7 +33,8 @@ fn refine(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: 
         }
         if (is_there) {
             let cone = cones[pair.cone_idx];
-            touches = cone_touches(cone, blocks[pair.block_idx]) && !(IS_LAST && is_everywhere(cone));
+            let is_listed = !(IS_LAST && is_everywhere(cone));
+            touches = is_listed && cone_touches(cone, blocks[pair.block_idx]);
         }
     }
     let place_here = place_in_group(touches);

@@ -4,7 +4,7 @@ use rayflock_engine::Budget;
 use wgpu::{BindingResource, Buffer, BufferUsages, CommandEncoder};
 
 use super::{FAN_OUT, FIRST_ROOT};
-use crate::buffer::{GrowingBuffer, ReadBack, part_of};
+use crate::buffer::{DISPATCH_BYTES, GrowingBuffer, ReadBack, part_of};
 use crate::layout::{Cone, Counters, DeviceHit, Pair, Params, TileRange};
 use crate::slots::{RUN_SLOTS, TILE_RAYS};
 use crate::{GpuContext, GpuError};
@@ -12,12 +12,6 @@ use crate::{GpuContext, GpuError};
 /// Tiles of a run, and the cones of all levels.
 const TILES: usize = RUN_SLOTS / TILE_RAYS;
 const CONES: usize = FIRST_ROOT + TILES / (FAN_OUT * FAN_OUT);
-
-/// Where hits lie in what is read back, behind the counters.
-const HITS_OFFSET: usize = 256;
-
-/// Bytes of the counts of workgroups that a stage is dispatched by.
-const DISPATCH_BYTES: usize = 12;
 
 /// What the stages hand to each other.
 #[derive(Debug)]
@@ -39,23 +33,23 @@ pub(super) struct Buffers {
 
 impl Buffers {
     pub(super) const fn new() -> Self {
-        const fn storage(label: &'static str) -> GrowingBuffer {
-            GrowingBuffer::new(label, BufferUsages::STORAGE)
-        }
-        const fn dispatch() -> GrowingBuffer {
-            let usage = BufferUsages::STORAGE.union(BufferUsages::INDIRECT);
-            GrowingBuffer::new("dispatch", usage)
-        }
         Self {
-            rays: storage("rays"),
-            hits: storage("hits"),
+            rays: GrowingBuffer::storage("rays"),
+            hits: GrowingBuffer::storage("hits"),
             params: GrowingBuffer::new("params", BufferUsages::UNIFORM),
-            cones: storage("cones"),
-            pairs: [storage("pairs of roots and tiles"), storage("pairs of nodes")],
-            counters: storage("counters"),
-            dispatch: [dispatch(), dispatch(), dispatch()],
-            ranges: storage("ranges"),
-            list: storage("list"),
+            cones: GrowingBuffer::storage("cones"),
+            pairs: [
+                GrowingBuffer::storage("pairs of roots and tiles"),
+                GrowingBuffer::storage("pairs of nodes"),
+            ],
+            counters: GrowingBuffer::storage("counters"),
+            dispatch: [
+                GrowingBuffer::dispatch(),
+                GrowingBuffer::dispatch(),
+                GrowingBuffer::dispatch(),
+            ],
+            ranges: GrowingBuffer::storage("ranges"),
+            list: GrowingBuffer::storage("list"),
             pair_capacity: 0,
             read_back: ReadBack::new(),
         }
@@ -87,28 +81,11 @@ impl Buffers {
     pub(super) fn read(
         &mut self,
         context: &GpuContext,
-        mut encoder: CommandEncoder,
+        encoder: CommandEncoder,
         hits: &mut [DeviceHit],
     ) -> Result<Counters, GpuError> {
-        let hit_bytes = size_of_val(hits);
-        let bytes = HITS_OFFSET + hit_bytes;
-        let target = self.read_back.target(context, bytes);
-        let counter_bytes = Some(size_of::<Counters>() as u64);
-        encoder.copy_buffer_to_buffer(self.counters.buffer(), 0, &target, 0, counter_bytes);
-        let offset = HITS_OFFSET as u64;
-        encoder.copy_buffer_to_buffer(
-            self.hits.buffer(),
-            0,
-            &target,
-            offset,
-            Some(hit_bytes as u64),
-        );
-        let mut counters = Counters::default();
-        self.read_back.run(context, encoder, bytes, |bytes| {
-            counters = bytemuck::pod_read_unaligned(&bytes[..size_of::<Counters>()]);
-            hits.copy_from_slice(bytemuck::cast_slice(&bytes[HITS_OFFSET..]));
-        })?;
-        Ok(counters)
+        let sources = [self.counters.buffer(), self.hits.buffer()];
+        self.read_back.run_for_hits(context, encoder, sources, hits)
     }
 
     pub(super) fn params(&self) -> BindingResource<'_> {

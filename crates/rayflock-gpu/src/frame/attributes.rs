@@ -13,7 +13,7 @@ use rayflock_engine::Budget;
 use rayflock_geom::{GeometryObject, Mesh, PrimId};
 use rayflock_scene::{SceneFrame, SurfaceAttributes, SurfaceMesh};
 use rayon::prelude::*;
-use wgpu::{Buffer, BufferUsages};
+use wgpu::Buffer;
 
 use crate::GpuContext;
 use crate::buffer::GrowingBuffer;
@@ -58,7 +58,7 @@ impl Written {
 
 impl Default for AttributeStore {
     fn default() -> Self {
-        let buffer = GrowingBuffer::new("attributes", BufferUsages::STORAGE);
+        let buffer = GrowingBuffer::storage("attributes");
         Self { written: Vec::new(), attributes: Vec::new(), buffer }
     }
 }

@@ -32,18 +32,15 @@ pub(super) struct FrameBuffers {
 
 impl FrameBuffers {
     pub(super) const fn new() -> Self {
-        const fn storage(label: &'static str) -> GrowingBuffer {
-            GrowingBuffer::new(label, BufferUsages::STORAGE)
-        }
         Self {
-            rays: storage("rays"),
-            paths: storage("paths"),
-            hits: storage("hits"),
-            points: storage("points"),
-            shadow_rays: storage("shadow rays"),
-            shadow_hits: storage("shadow hits"),
-            counts: storage("counts"),
-            film: storage("film"),
+            rays: GrowingBuffer::storage("rays"),
+            paths: GrowingBuffer::storage("paths"),
+            hits: GrowingBuffer::storage("hits"),
+            points: GrowingBuffer::storage("points"),
+            shadow_rays: GrowingBuffer::storage("shadow rays"),
+            shadow_hits: GrowingBuffer::storage("shadow hits"),
+            counts: GrowingBuffer::storage("counts"),
+            film: GrowingBuffer::storage("film"),
             params: GrowingBuffer::new("frame params", BufferUsages::UNIFORM),
             light: GrowingBuffer::new("light", BufferUsages::UNIFORM),
             read_back: ReadBack::new(),

@@ -4,7 +4,7 @@ use glam::Vec3;
 use rayflock_engine::Budget;
 use rayflock_render::prepared::{Emitter, EmitterShape, PreparedFrame};
 use rayflock_scene::{Fresnel, Material, Scene, Texture};
-use wgpu::{Buffer, BufferUsages};
+use wgpu::Buffer;
 
 use crate::GpuContext;
 use crate::buffer::GrowingBuffer;
@@ -34,8 +34,8 @@ impl Default for SceneData {
         Self {
             materials: Vec::new(),
             textures: Vec::new(),
-            entries: GrowingBuffer::new("materials and textures", BufferUsages::STORAGE),
-            emitters: GrowingBuffer::new("emitters", BufferUsages::STORAGE),
+            entries: GrowingBuffer::storage("materials and textures"),
+            emitters: GrowingBuffer::storage("emitters"),
             emitter_count: 0,
         }
     }

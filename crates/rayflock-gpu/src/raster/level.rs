@@ -1,8 +1,8 @@
 //! Tiles of one size: their cones, and the stages that compute and draw them.
 
 use wgpu::{
-    BindGroup, BindingResource, Buffer, BufferUsages, CommandEncoder, Extent3d, LoadOp, Operations,
-    RenderPass, RenderPassColorAttachment, RenderPassDescriptor, StoreOp, TexelCopyBufferInfo,
+    BindGroup, BindingResource, Buffer, CommandEncoder, Extent3d, LoadOp, Operations, RenderPass,
+    RenderPassColorAttachment, RenderPassDescriptor, StoreOp, TexelCopyBufferInfo,
     TexelCopyBufferLayout, Texture, TextureFormat, TextureUsages, VertexBufferLayout,
     VertexStepMode, vertex_attr_array,
 };
@@ -162,5 +162,5 @@ impl Level {
 
 /// Where the counts of drawn texels lie.
 pub(super) const fn count_buffer() -> GrowingBuffer {
-    GrowingBuffer::new("drawn texels", BufferUsages::STORAGE)
+    GrowingBuffer::storage("drawn texels")
 }

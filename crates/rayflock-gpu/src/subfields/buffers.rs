@@ -3,16 +3,10 @@
 use rayflock_engine::Budget;
 use wgpu::{BindingResource, Buffer, BufferUsages, CommandEncoder};
 
-use crate::buffer::{GrowingBuffer, ReadBack, part_of};
+use crate::buffer::{DISPATCH_BYTES, GrowingBuffer, ReadBack, part_of};
 use crate::layout::{DeviceHit, DeviceRay, SubfieldCounters, SubfieldParams};
 use crate::slots::Run;
 use crate::{GpuContext, GpuError};
-
-/// Where hits lie in what is read back, behind the counters.
-const HITS_OFFSET: usize = 256;
-
-/// Bytes of the counts of workgroups that a stage is dispatched by.
-const DISPATCH_BYTES: usize = 12;
 
 /// What a run of rays brings to the stages, and what comes back.
 #[derive(Debug)]
@@ -29,19 +23,12 @@ pub(super) struct Buffers {
 
 impl Buffers {
     pub(super) const fn new() -> Self {
-        const fn storage(label: &'static str) -> GrowingBuffer {
-            GrowingBuffer::new(label, BufferUsages::STORAGE)
-        }
-        const fn dispatch() -> GrowingBuffer {
-            let usage = BufferUsages::STORAGE.union(BufferUsages::INDIRECT);
-            GrowingBuffer::new("dispatch", usage)
-        }
         Self {
-            rays: storage("rays"),
-            hits: storage("hits"),
+            rays: GrowingBuffer::storage("rays"),
+            hits: GrowingBuffer::storage("hits"),
             params: GrowingBuffer::new("params", BufferUsages::UNIFORM),
-            writers: dispatch(),
-            placers: dispatch(),
+            writers: GrowingBuffer::dispatch(),
+            placers: GrowingBuffer::dispatch(),
             ray_count: 0,
             read_back: ReadBack::new(),
         }
@@ -66,23 +53,12 @@ impl Buffers {
     pub(super) fn read(
         &mut self,
         context: &GpuContext,
-        mut encoder: CommandEncoder,
+        encoder: CommandEncoder,
         counters: &Buffer,
         hits: &mut [DeviceHit],
     ) -> Result<SubfieldCounters, GpuError> {
-        const COUNTER_BYTES: usize = size_of::<SubfieldCounters>();
-        let hit_bytes = size_of_val(hits);
-        let bytes = HITS_OFFSET + hit_bytes;
-        let target = self.read_back.target(context, bytes);
-        encoder.copy_buffer_to_buffer(counters, 0, &target, 0, Some(COUNTER_BYTES as u64));
-        let (source, size) = (self.hits.buffer(), Some(hit_bytes as u64));
-        encoder.copy_buffer_to_buffer(source, 0, &target, HITS_OFFSET as u64, size);
-        let mut found = SubfieldCounters::default();
-        self.read_back.run(context, encoder, bytes, |bytes| {
-            found = bytemuck::pod_read_unaligned(&bytes[..COUNTER_BYTES]);
-            hits.copy_from_slice(bytemuck::cast_slice(&bytes[HITS_OFFSET..]));
-        })?;
-        Ok(found)
+        let sources = [counters, self.hits.buffer()];
+        self.read_back.run_for_hits(context, encoder, sources, hits)
     }
 
     pub(super) fn rays(&self) -> BindingResource<'_> {

@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 use rayflock_engine::Budget;
-use wgpu::{BindingResource, Buffer, BufferUsages, CommandEncoder};
+use wgpu::{BindingResource, Buffer, CommandEncoder};
 
 use super::choose_grid::Grid;
 use super::{Config, MOST_CELLS};
@@ -49,15 +49,12 @@ pub(super) struct Held {
 
 impl Held {
     pub(super) const fn new(config: &Config) -> Self {
-        const fn storage(label: &'static str) -> GrowingBuffer {
-            GrowingBuffer::new(label, BufferUsages::STORAGE)
-        }
         Self {
-            cells: storage("cells"),
-            subfields: storage("subfields"),
-            tiles: storage("tiles"),
-            entries: storage("entries"),
-            counters: storage("counters"),
+            cells: GrowingBuffer::storage("cells"),
+            subfields: GrowingBuffer::storage("subfields"),
+            tiles: GrowingBuffer::storage("tiles"),
+            entries: GrowingBuffer::storage("entries"),
+            counters: GrowingBuffer::storage("counters"),
             origin: None,
             most_open: MOST_CELLS,
             most_tile_edge: usize::MAX,

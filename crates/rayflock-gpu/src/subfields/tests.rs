@@ -148,8 +148,8 @@ fn grids_of_every_size_give_the_same_answer() {
     }
 }
 
-/// Rays along a shared direction, from near and far, and to all sides, through the corners of a lattice on the borders
-/// of tiles: of six triangles that meet there, the one of lowest rank is hit.
+/// Rays along a shared direction, from near and far, and to all sides, through the corners of a
+/// lattice on the borders of tiles: of six triangles that meet there, the one of lowest rank is hit.
 #[test]
 fn what_lies_on_the_border_of_a_tile_is_in_both() {
     const EDGE: u32 = 16;
