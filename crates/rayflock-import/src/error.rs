@@ -87,12 +87,10 @@ const LONGEST_QUOTE: usize = 300;
 
 /// The text without control characters and cut to a length that suits a message.
 pub(crate) fn shorten(text: &str) -> String {
-    let clean = text.trim_end().replace(|c: char| c.is_control(), " ");
-    if clean.len() <= LONGEST_QUOTE {
-        return clean;
-    }
-    let end = clean.floor_char_boundary(LONGEST_QUOTE);
-    format!("{}...", &clean[..end])
+    let text = text.trim_end();
+    let shown = &text[..text.floor_char_boundary(LONGEST_QUOTE)];
+    let clean = shown.replace(|c: char| c.is_control(), " ");
+    if shown.len() < text.len() { clean + "..." } else { clean }
 }
 
 #[cfg(test)]

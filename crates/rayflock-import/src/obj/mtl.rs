@@ -11,7 +11,8 @@
 //! | `emission` | `Ke` |
 //!
 //! **Departures.** Read by a parser of our own: that of the tobj crate panics on a colour of two
-//! numbers and gives up a whole file for one bad line. Here a bad line is a warning.
+//! numbers and gives up a whole file for one bad line. Here a bad line is a warning, and
+//! very many are a few.
 
 use std::collections::HashMap;
 
@@ -21,6 +22,9 @@ use rayflock_scene::{Fresnel, Material};
 use super::statement::{Statement, statements};
 use crate::job::Job;
 use crate::texture_files::TextureFiles;
+
+/// Statements that are not understood and told of each; of others, how many there are.
+const MOST_TOLD: usize = 8;
 
 /// A material as its file defines it.
 #[derive(Clone, Debug, Default)]
@@ -44,7 +48,7 @@ pub(super) fn parse(
     library: &mut HashMap<String, Definition>,
     job: &mut Job<'_>,
 ) {
-    let mut name = None;
+    let (mut name, mut ignored) = (None, 0_usize);
     for statement in statements(bytes) {
         if statement.keyword() == "newmtl" {
             library.insert(statement.rest().to_owned(), Definition::default());
@@ -53,10 +57,18 @@ pub(super) fn parse(
         }
         let definition = name.as_ref().and_then(|name| library.get_mut(name));
         let Some(definition) = definition else { continue };
-        if definition.read(&statement, path).is_none() {
+        if definition.read(&statement, path).is_some() {
+            continue;
+        }
+        ignored += 1;
+        if ignored <= MOST_TOLD {
             let element = format!("{path} line {}", statement.line);
             job.warn(element, format!("{} is not understood; it is ignored", statement.quote()));
         }
+    }
+    if ignored > MOST_TOLD {
+        let more = ignored - MOST_TOLD;
+        job.warn(path, format!("{more} more statements are not understood; they are ignored"));
     }
 }
 

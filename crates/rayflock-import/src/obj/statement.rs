@@ -47,9 +47,10 @@ pub(super) fn statements(bytes: &[u8]) -> impl Iterator<Item = Statement<'_>> {
             let line = line_idx + 1;
             let mut text = clean(first);
             while text.ends_with('\\') {
-                let joined = text[..text.len() - 1].to_owned();
-                let next = lines.next().map(|(_, next)| clean(next)).unwrap_or_default();
-                text = Cow::Owned(format!("{joined} {next}"));
+                let joined = text.to_mut();
+                joined.pop();
+                joined.push(' ');
+                joined.push_str(&lines.next().map(|(_, next)| clean(next)).unwrap_or_default());
             }
             if !text.is_empty() {
                 return Some(Statement { line, text });
@@ -74,6 +75,14 @@ mod tests {
         let all: Vec<_> = statements(text).map(|s| (s.line, s.rest().to_owned())).collect();
         assert_eq!(all, [(2, "1 2 3".into()), (5, "two words".into()), (6, String::new())]);
         assert_eq!(statements(text).next().unwrap().numbers(), Ok(vec![1.0, 2.0, 3.0]));
+    }
+
+    #[test]
+    fn very_many_lines_join_at_once() {
+        // Copied at each line, this would be a hundred gigabytes.
+        let text = "\\\n".repeat(1 << 19);
+        let all: Vec<_> = statements(text.as_bytes()).map(|s| s.line).collect();
+        assert_eq!(all, [1]);
     }
 
     #[test]

@@ -91,6 +91,16 @@ fn textures_load_and_missing_ones_are_warnings() {
 }
 
 #[test]
+fn a_damaged_mtl_does_not_drown_other_warnings() {
+    let mtl = format!("newmtl a\n{}", "Kd x\n".repeat(30));
+    let obj = format!("mtllib a.mtl\n{QUAD}usemtl a\nf 1 2 3\n");
+    let files = [("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes())];
+    let (_, warnings) = load_files("a.obj", &files).unwrap();
+    assert_eq!(warnings.len(), 9);
+    assert!(warnings[8].contains("22 more statements are not understood"), "{}", warnings[8]);
+}
+
+#[test]
 fn a_missing_mtl_is_one_warning() {
     let obj = format!("mtllib a.mtl\n{QUAD}usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3");
     let (scene, warnings) = load_bytes("a.obj", obj.as_bytes()).unwrap();
