@@ -35,18 +35,22 @@
 //! mesh did not change gives the same spheres; one that moves rigidly gives moved ones. What the
 //! shaft rejects could have dimmed nothing. (tests beside each)
 
+mod along_curve;
 mod cluster;
 mod cut_pieces;
 mod hull_planes;
 mod measure;
+mod point_tile;
 mod scene_spheres;
 mod see_tile;
 mod share_lookouts;
 mod sphere_set;
 mod sphere_tree;
+mod surface_mean;
 
-pub(crate) use cluster::nearby_order;
+pub(crate) use along_curve::nearby_order;
+pub use point_tile::PointTile;
 pub use scene_spheres::{FitStats, SceneSpheres, SphereSettings};
-pub use see_tile::{PointTile, SeenLight, TileSight};
+pub use see_tile::{SeenLight, TileSight};
 pub(crate) use share_lookouts::{LookoutTile, SharedLookouts};
 pub use sphere_tree::SphereTree;

@@ -20,7 +20,10 @@
 //! at once where it begins to hold an end point, but by most of what it would dim there, so that no
 //! edges show; one whose centre lies behind an end's surface, as those of that surface itself do, does
 //! not count at all.
-//! Several spheres multiply what they let through. Flattened spheres are ours.
+//! What several spheres take away is added up: most are neighbours that stand for one surface, and
+//! where they meet, each covers what the other does not. Multiplied, as if they lay in no relation,
+//! they would let through a quarter of the light at each seam, however many there were. Flattened
+//! spheres are ours.
 //!
 //! **Invariants.** Without fused multiply-add, and in one order: the same bits at every level. What
 //! is let through lies within 0 and 1, whatever the points. A sphere that a segment does not come
@@ -184,7 +187,7 @@ pub fn let_through<S: Simd>(
     let mut through = f32x16::splat(simd, 1.0);
     for blockers in round.chunks(STRIDE) {
         for blocker in blockers {
-            through *= segments.past::<false>(simd, blocker);
+            through -= segments.taken_by::<false>(simd, blocker);
         }
         if !through.simd_gt(dark).any_true() {
             return zero;
@@ -192,7 +195,7 @@ pub fn let_through<S: Simd>(
     }
     for blockers in flat.chunks(STRIDE) {
         for blocker in blockers {
-            through *= segments.past::<true>(simd, blocker);
+            through -= segments.taken_by::<true>(simd, blocker);
         }
         if !through.simd_gt(dark).any_true() {
             return zero;
@@ -222,9 +225,9 @@ impl<S: Simd> Segments<S> {
         Self { origin, normal: load_axes(simd, &points.normal), squared, inverse }
     }
 
-    /// What one sphere lets through.
+    /// The share of light that one sphere takes away.
     #[inline(always)]
-    fn past<const FLAT: bool>(&self, simd: S, blocker: &Blocker) -> f32x16<S> {
+    fn taken_by<const FLAT: bool>(&self, simd: S, blocker: &Blocker) -> f32x16<S> {
         let splat = f32x16::splat;
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let (peak, slope) = (splat(simd, blocker.peak), splat(simd, blocker.slope));
@@ -253,7 +256,7 @@ impl<S: Simd> Segments<S> {
         let counted = (dimming - at_ends).max(zero);
         let height = dot(offset, self.normal) * splat(simd, blocker.per_height);
         let share = height.max(zero).min(one) * splat(simd, blocker.share);
-        one - counted * share
+        counted * share
     }
 }
 
@@ -274,7 +277,7 @@ mod tests {
             let height = normal.dot(sphere.center - end) / (RISE * sphere.outer);
             if normal == Vec3::ZERO { 1.0 } else { height.clamp(0.0, 1.0) }
         };
-        let past = |sphere: &SoftSphere| {
+        let taken = |sphere: &SoftSphere| {
             let dimming = |distance_squared: f32| {
                 let (outer, inner) = (sphere.outer.powi(2), sphere.inner.powi(2));
                 (outer - distance_squared).clamp(0.0, outer - inner) / (outer - inner)
@@ -290,9 +293,9 @@ mod tests {
                 + dimming(round(sphere.center - light).length_squared());
             let counted = dimming((offset - t * direction).length_squared()) - AT_END * at_ends;
             let share = rise(sphere, point, normal) * rise(sphere, light, light_normal);
-            1.0 - counted.max(0.0) * share
+            counted.max(0.0) * share
         };
-        spheres.iter().map(past).product()
+        (1.0 - spheres.iter().map(taken).sum::<f32>()).max(0.0)
     }
 
     fn blockers(spheres: &[SoftSphere], light: Vec3, normal: Vec3) -> Vec<Blocker> {
@@ -343,6 +346,23 @@ mod tests {
                 prop_assert!((found - expected).abs() < 3.0 * DARK, "{found} is not {expected}");
             }
         }
+    }
+
+    #[test]
+    fn neighbours_add_up() {
+        let half = SoftSphere {
+            center: Vec3::Y,
+            inner: 0.2,
+            outer: 0.3,
+            opacity: 0.5,
+            flatness: Vec3::ZERO,
+        };
+        let (points, light) = (PointBlock::splat(Vec3::ZERO, Vec3::Y), 2.0 * Vec3::Y);
+        let through = |count: usize| {
+            let blockers = blockers(&vec![half; count], light, Vec3::NEG_Y);
+            at_every_level(&points, light, &blockers)[0][0]
+        };
+        assert_eq!([0, 1, 2, 3].map(through), [1.0, 0.5, 0.0, 0.0]);
     }
 
     #[test]

@@ -63,6 +63,14 @@ impl PlacedPiece {
         }
     }
 
+    /// Across a triangle, of unit length; zero for a ball, and without area.
+    pub(super) fn normal(&self) -> Vec3 {
+        match self {
+            Self::Triangle([a, b, c]) => (b - a).cross(c - a).normalize_or_zero(),
+            Self::Ball(_) => Vec3::ZERO,
+        }
+    }
+
     /// The centroid.
     pub(super) fn middle(&self) -> Vec3 {
         match self {

@@ -8,14 +8,19 @@
 //! Light from behind the plane, as from the sky below the ground, has to come through what lies in
 //! it: a parallelogram around that.
 
+use std::collections::HashMap;
+
 use glam::{Affine3A, Vec3};
 use rayflock_geom::simd::segment_walls::Wall;
 use rayflock_geom::{Aabb, Mesh, Sphere};
 
 use super::cut_pieces::{Piece, PlacedPiece, whole_pieces};
 
-/// Planes looked at, those of large triangles first.
+/// Planes looked at, those of most surface first.
 const MOST_PLANES: usize = 64;
+
+/// Steps of a unit within which normals are alike at first sight.
+const NORMAL_STEPS: f32 = 64.0;
 
 /// A plane is worth keeping with this share of the surface of its mesh.
 const LEAST_SHARE: f32 = 0.01;
@@ -128,13 +133,10 @@ pub(super) fn hull_planes(mesh: &Mesh) -> Vec<HullPlane> {
     triangles.sort_by(|a, b| b.0.total_cmp(&a.0));
     let total: f32 = triangles.iter().map(|triangle| triangle.0).sum();
 
-    let extremes = extremes(mesh);
-    let mut planes: Vec<HullPlane> = Vec::new();
+    let mut planes = candidates(mesh, &triangles, tolerance);
     for (area, corners) in &triangles {
         if let Some(plane) = planes.iter_mut().find(|plane| plane.holds(corners)) {
             plane.area += area;
-        } else if planes.len() < MOST_PLANES {
-            planes.extend(plane_of(corners, &extremes, tolerance));
         }
     }
     planes.retain(|plane| plane.area >= LEAST_SHARE * total && plane.supports(mesh));
@@ -146,6 +148,36 @@ pub(super) fn hull_planes(mesh: &Mesh) -> Vec<HullPlane> {
         }
     }
     planes
+}
+
+/// Planes that hold most of the surface and have the extreme points of the mesh on one side, without
+/// area yet.
+fn candidates(mesh: &Mesh, triangles: &[(f32, [Vec3; 3])], tolerance: f32) -> Vec<HullPlane> {
+    // Triangles of about one plane, which is that of the first of them.
+    let mut alike: HashMap<[i32; 4], (f32, usize)> = HashMap::new();
+    for (triangle_idx, (area, corners)) in triangles.iter().enumerate() {
+        alike.entry(plane_key(corners, tolerance)).or_insert((0.0, triangle_idx)).0 += area;
+    }
+    let mut alike: Vec<(f32, usize)> = alike.into_values().collect();
+    alike.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+
+    let extremes = extremes(mesh);
+    let mut planes: Vec<HullPlane> = Vec::new();
+    for (_, triangle_idx) in alike {
+        let corners = &triangles[triangle_idx].1;
+        if planes.len() < MOST_PLANES && !planes.iter().any(|plane| plane.holds(corners)) {
+            planes.extend(plane_of(corners, &extremes, tolerance));
+        }
+    }
+    planes
+}
+
+/// Alike for most triangles of a plane, whichever way they face.
+fn plane_key([a, b, c]: &[Vec3; 3], tolerance: f32) -> [i32; 4] {
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let normal = normal * 1.0_f32.copysign(normal[normal.abs().max_position()]);
+    let [x, y, z] = (NORMAL_STEPS * normal).round().to_array();
+    [x as i32, y as i32, z as i32, (normal.dot(*a) / (2.0 * tolerance)).round() as i32]
 }
 
 /// Which of the planes a piece lies in.
@@ -160,10 +192,9 @@ pub(super) fn plane_of_piece(mesh: &Mesh, planes: &[HullPlane], piece: &Piece) -
 fn plane_of([a, b, c]: &[Vec3; 3], extremes: &[Vec3], tolerance: f32) -> Option<HullPlane> {
     let double = (b - a).cross(c - a);
     let normal = double.try_normalize()?;
-    let (offset, area) = (normal.dot(*a), 0.5 * double.length());
     let (corner, edges) = (*a, [Vec3::ZERO; 2]);
-    let plane = HullPlane { normal, offset, area, tolerance, corner, edges };
-    let flipped = HullPlane { normal: -normal, offset: -offset, ..plane };
+    let plane = HullPlane { normal, offset: normal.dot(*a), area: 0.0, tolerance, corner, edges };
+    let flipped = HullPlane { normal: -normal, offset: -plane.offset, ..plane };
     let supports =
         |plane: &HullPlane| extremes.iter().all(|&point| plane.height(point) >= -tolerance);
     [plane, flipped].into_iter().find(supports)

@@ -9,16 +9,17 @@
 
 use std::f32::consts::PI;
 
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 use rayflock_geom::simd::segment_spheres::SoftSphere;
 use rayflock_geom::{Aabb, Mesh};
 
 use super::cut_pieces::{Piece, PlacedPiece};
+use super::surface_mean::{along, main_line};
 
 /// The inner radius is at most this share of the outer one: an edge has to have some width.
 const SHARPEST: f32 = 0.97;
 
-/// A patch is flat where its area vectors add up to this share of its area.
+/// A patch is flat where squared cosines to its main line have this mean.
 const FACING: f32 = 0.6;
 
 /// Lengths along a flattened sphere's axis count at most so many times.
@@ -45,6 +46,8 @@ struct Surface {
     area: f64,
     /// Area vectors: normals as long as their areas.
     facing: DVec3,
+    /// Products of normals with themselves, by area.
+    lines: DMat3,
     moment: DVec3,
 }
 
@@ -55,16 +58,19 @@ pub(super) fn measure(mesh: &Mesh, pieces: &[Piece]) -> Measured {
         return Measured { sphere: SoftSphere::default(), bounds };
     }
     let center = (surface.moment / surface.area).as_vec3();
-    let facing = surface.facing.as_vec3();
-    let (area, covered_flat) = (surface.area as f32, facing.length());
-    let flatness = match covered_flat >= FACING * area {
-        true => flatness(mesh, pieces, center, facing / covered_flat),
+    let (area, lid) = (surface.area as f32, surface.facing.length() as f32);
+    let (line, share) = main_line(&(surface.lines * (1.0 / surface.area)).as_mat3());
+    let flatness = match share >= FACING {
+        true => flatness(mesh, pieces, center, line),
         false => Vec3::ZERO,
     };
     let round = SoftSphere { center, inner: 0.0, outer: 0.0, opacity: 1.0, flatness };
     let outer = reach(mesh, pieces, &round) * ROUNDING;
     let is_round = flatness == Vec3::ZERO;
-    let covered = if is_round { 0.25 * (area + covered_flat) } else { covered_flat };
+    let covered = match is_round {
+        true => 0.25 * (area + lid),
+        false => covered_across(mesh, pieces, line),
+    };
     Measured { sphere: covering(covered, SoftSphere { outer, ..round }), bounds }
 }
 
@@ -91,6 +97,7 @@ fn sum(mesh: &Mesh, pieces: &[Piece]) -> (Surface, Aabb) {
         let area = f64::from(piece.area());
         surface.area += area;
         surface.moment += area * piece.middle().as_dvec3();
+        surface.lines += area * along(piece.normal()).as_dmat3();
         match piece {
             PlacedPiece::Triangle(corners) => {
                 let [a, b, c] = corners;
@@ -105,6 +112,17 @@ fn sum(mesh: &Mesh, pieces: &[Piece]) -> (Surface, Aabb) {
         }
     }
     (surface, bounds)
+}
+
+/// What pieces cover of a plane across `axis`: all of a sheet, half of what is closed.
+fn covered_across(mesh: &Mesh, pieces: &[Piece], axis: Vec3) -> f32 {
+    let (mut sum, mut sides) = (0.0_f32, 0.0_f32);
+    for piece in placed(mesh, pieces) {
+        let side = piece.area() * piece.normal().dot(axis);
+        sum += side.abs();
+        sides += side;
+    }
+    0.5 * (sum + sides.abs())
 }
 
 /// How much a patch that faces along `axis` can be flattened.

@@ -14,29 +14,15 @@
 //! lanes a sphere for each tile and group.
 
 use glam::Vec3;
+use rayflock_geom::Sphere;
 use rayflock_geom::simd::cone_sphere::SphereBlock;
 use rayflock_geom::simd::segment_spheres::{Blocker, PointBlock, let_through};
 use rayflock_geom::simd::segment_walls::{Wall, past_wall};
 use rayflock_geom::simd::{LANES, Lanes, Simd, SimdBase, SimdLevel, SimdMask, dispatch, f32x16};
-use rayflock_geom::{Aabb, Sphere};
 
+use super::point_tile::PointTile;
 use super::share_lookouts::Apart;
 use super::sphere_tree::{Shaft, SphereTree};
-
-/// Points that are close, in blocks of sixteen, and what bounds them.
-#[derive(Clone, Debug)]
-pub struct PointTile {
-    blocks: Vec<PointBlock>,
-    /// Around the points of each block.
-    block_bounds: Vec<Sphere>,
-    len: usize,
-    bound: Sphere,
-    /// The mean normal, how much normals deviate from it, and how far points lie from the plane
-    /// across it.
-    axis: Vec3,
-    spread: f32,
-    thickness: f32,
-}
 
 /// A light as a point of a surface, or one without surface where the normal is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,93 +99,6 @@ pub struct TileSight {
     tests: u64,
 }
 
-impl Default for PointTile {
-    fn default() -> Self {
-        let bound = Sphere::new(Vec3::ZERO, 0.0);
-        Self {
-            blocks: Vec::new(),
-            block_bounds: Vec::new(),
-            len: 0,
-            bound,
-            axis: Vec3::Y,
-            spread: 2.0,
-            thickness: 0.0,
-        }
-    }
-}
-
-impl PointTile {
-    /// Makes this the tile of `positions` with unit `normals`, as many of each, keeping its memory.
-    pub fn assign(&mut self, positions: &[Vec3], normals: &[Vec3]) {
-        self.blocks.clear();
-        self.block_bounds.clear();
-        self.len = positions.len();
-        for (positions, normals) in positions.chunks(LANES).zip(normals.chunks(LANES)) {
-            let mut block = PointBlock::splat(positions[0], normals[0]);
-            for (lane, (&position, &normal)) in positions.iter().zip(normals).enumerate() {
-                block.set(lane, position, normal);
-            }
-            self.blocks.push(block);
-            self.block_bounds.push(ball_around(positions));
-        }
-        self.bound = ball_around(positions);
-        let center = self.bound.center;
-        self.axis = normals.iter().sum::<Vec3>().normalize_or(Vec3::Y);
-        let deviation = |normal: &Vec3| normal.distance(self.axis);
-        self.spread = normals.iter().map(deviation).fold(0.0, f32::max);
-        let depth = |position: &Vec3| (*position - center).dot(self.axis).abs();
-        self.thickness = positions.iter().map(depth).fold(0.0, f32::max);
-    }
-
-    /// Number of points.
-    pub const fn len(&self) -> usize {
-        self.len
-    }
-
-    /// Whether there are none.
-    pub const fn is_empty(&self) -> bool {
-        self.len == 0
-    }
-
-    /// The middle of the points.
-    pub const fn center(&self) -> Vec3 {
-        self.bound.center
-    }
-
-    /// The points, sixteen a block, and a ball around each block; the last block may hold some
-    /// twice.
-    pub(super) fn blocks(&self) -> impl Iterator<Item = (&PointBlock, &Sphere)> {
-        self.blocks.iter().zip(&self.block_bounds)
-    }
-
-    /// Whether a light sends nothing to any point, or to those that are `apart` from them, since it
-    /// lies behind their planes or they behind its own. `evenness` is added to the cosine at the
-    /// light.
-    pub(super) fn faces_away(&self, light: &SeenLight, evenness: f32, apart: Apart) -> bool {
-        let offset = light.position - self.bound.center;
-        let radius = (1.0 + 1e-5) * (self.bound.radius + apart.position);
-        let is_behind = evenness == 0.0 && light.normal.dot(offset) > radius;
-        is_behind || self.lies_above(light.position, apart)
-    }
-
-    /// Whether all points have another one behind their planes.
-    fn lies_above(&self, other: Vec3, apart: Apart) -> bool {
-        let offset = other - self.bound.center;
-        let (distance, radius) = (offset.length(), self.bound.radius + apart.position);
-        let lift = (self.spread + apart.normal) * (distance + radius);
-        let thickness = self.thickness + apart.position;
-        offset.dot(self.axis) + thickness + lift + 1e-5 * distance < 0.0
-    }
-}
-
-/// A ball around points.
-fn ball_around(points: &[Vec3]) -> Sphere {
-    let center = Aabb::around(points.iter().copied()).center();
-    let center = if center.is_finite() { center } else { Vec3::ZERO };
-    let squared = points.iter().map(|point| point.distance_squared(center));
-    Sphere::new(center, squared.fold(0.0, f32::max).sqrt() * (1.0 + 1e-5))
-}
-
 impl TileSight {
     /// Calls `seen(light_idx, block_idx, through)` for each light of a group and each block of
     /// sixteen points; of the last block, lanes may stand for no point. Lights of a group should be
@@ -256,7 +155,7 @@ impl TileSight {
     ) {
         let points = lights.map(|position| Sphere::new(position, 0.0));
         let Some(group) = Sphere::around_spheres(points) else { return };
-        let shaft = Shaft::between(&tile.bound, &group);
+        let shaft = Shaft::between(tile.bound(), &group);
         let near = &mut self.near;
         near.clear();
         self.tests += tree.in_shaft(simd, &shaft, |sphere, blocker| {
@@ -277,7 +176,7 @@ impl TileSight {
         light: &SeenLight,
     ) {
         let SeenLight { position, normal } = *light;
-        let shaft = Shaft::between(&tile.bound, &Sphere::new(position, 0.0));
+        let shaft = Shaft::between(tile.bound(), &Sphere::new(position, 0.0));
         let Self { near, seen, walls, .. } = self;
         seen.clear();
         self.tests += near.in_shaft(simd, &shaft, |blocker, center, radius| {
@@ -286,7 +185,7 @@ impl TileSight {
             }
         });
         walls.clear();
-        let Sphere { center, radius } = tile.bound;
+        let Sphere { center, radius } = *tile.bound();
         walls.extend(tree.walls().iter().filter(|wall| {
             let lowest = wall.height(position).min(wall.height(center) - radius);
             lowest < 0.0

@@ -22,8 +22,10 @@
 use glam::Vec3;
 use rayflock_geom::simd::LANES;
 
-use super::cluster::{WeightedPoint, sort_along_curve};
-use super::see_tile::{PointTile, SeenLight};
+use super::along_curve::sort_along_curve;
+use super::cluster::WeightedPoint;
+use super::point_tile::PointTile;
+use super::see_tile::SeenLight;
 
 /// How many points share a lookout.
 const SIZES: [usize; 3] = [16, 4, 1];
@@ -105,7 +107,7 @@ impl SharedLookouts {
 
     /// Finds out who shares with whom, the largest groups first.
     fn share(&mut self, positions: &[Vec3], normals: &[Vec3], reach: f32) {
-        let point = |(idx, &position)| WeightedPoint { position, weight: 1.0, idx, code: 0 };
+        let point = |(idx, &position)| WeightedPoint::at(position, idx);
         self.sorted.clear();
         self.sorted.extend((0_u32..).zip(positions).map(point));
         sort_along_curve(&mut self.sorted);

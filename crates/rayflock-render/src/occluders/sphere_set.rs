@@ -9,7 +9,8 @@ use rayflock_geom::simd::segment_spheres::SoftSphere;
 use rayflock_geom::{Aabb, Mesh, similarity_scale, transform_point};
 use rayon::prelude::*;
 
-use super::cluster::{WeightedPoint, cluster_carefully, cluster_quickly};
+use super::along_curve::cluster_quickly;
+use super::cluster::{WeightedPoint, cluster_carefully};
 use super::cut_pieces::{Piece, cut_pieces, surface_area, whole_pieces};
 use super::hull_planes::{HullPlane, hull_planes, plane_of_piece};
 use super::measure::{Measured, measure};
@@ -56,6 +57,8 @@ struct Cluster {
 #[derive(Debug, Default)]
 struct Buffers {
     cut: Vec<Piece>,
+    /// Of the hull, for each piece that lies in one.
+    plane_idxs: Vec<Option<usize>>,
     points: Vec<WeightedPoint>,
     ranges: Vec<Range<usize>>,
 }
@@ -85,6 +88,7 @@ impl SphereSet {
         }
         let area_per_sphere = self.free_area.max(f32::MIN_POSITIVE) / count.max(1) as f32;
         cut_pieces(mesh, area_per_sphere, &mut self.buffers.cut);
+        self.find_planes(mesh);
         self.pieces.clear();
         self.clusters.clear();
         for plane_idx in (0..self.planes.len()).map(Some).chain([None]) {
@@ -96,16 +100,29 @@ impl SphereSet {
         self.fitted_size = self.size();
     }
 
+    /// Notes for each piece in which plane of the hull it lies.
+    fn find_planes(&mut self, mesh: &Mesh) {
+        let Buffers { cut, plane_idxs, .. } = &mut self.buffers;
+        plane_idxs.clear();
+        match self.planes.is_empty() {
+            true => plane_idxs.resize(cut.len(), None),
+            false => {
+                let plane = |piece| plane_of_piece(mesh, &self.planes, piece);
+                cut.par_iter().map(plane).collect_into_vec(plane_idxs);
+            }
+        }
+    }
+
     /// Makes the points those of the pieces in a plane, or in none; returns their area.
     fn gather_points(&mut self, mesh: &Mesh, plane_idx: Option<usize>) -> f32 {
-        let Buffers { cut, points, .. } = &mut self.buffers;
+        let Buffers { cut, plane_idxs, points, .. } = &mut self.buffers;
         points.clear();
         let mut area = 0.0;
-        for (idx, piece) in (0..).zip(&*cut) {
-            let Some(placed) = piece.placed(mesh) else { continue };
-            if self.planes.is_empty() || plane_of_piece(mesh, &self.planes, piece) == plane_idx {
-                let (position, weight) = (placed.middle(), placed.area());
-                points.push(WeightedPoint { position, weight, idx, code: 0 });
+        let in_plane = (0..).zip(&*cut).zip(&*plane_idxs).filter(|(_, idx)| **idx == plane_idx);
+        for ((idx, piece), _) in in_plane {
+            if let Some(placed) = piece.placed(mesh) {
+                let (position, normal, weight) = (placed.middle(), placed.normal(), placed.area());
+                points.push(WeightedPoint { position, normal, weight, idx, code: 0 });
                 area += weight;
             }
         }
@@ -113,7 +130,7 @@ impl SphereSet {
     }
 
     fn cluster_points(&mut self, count: usize, plane_idx: Option<usize>, care: Care) {
-        let Buffers { cut, points, ranges } = &mut self.buffers;
+        let Buffers { cut, points, ranges, .. } = &mut self.buffers;
         match care {
             Care::Careful => *ranges = cluster_carefully(points, count),
             Care::Quick => {
@@ -175,9 +192,10 @@ impl SphereSet {
 
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
-        let Buffers { cut, points, ranges } = &self.buffers;
+        let Buffers { cut, plane_idxs, points, ranges } = &self.buffers;
         (self.pieces.capacity() + cut.capacity()) * size_of::<Piece>()
             + self.clusters.capacity() * size_of::<Cluster>()
+            + plane_idxs.capacity() * size_of::<Option<usize>>()
             + points.capacity() * size_of::<WeightedPoint>()
             + ranges.capacity() * size_of::<Range<usize>>()
     }

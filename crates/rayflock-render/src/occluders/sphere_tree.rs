@@ -17,7 +17,8 @@ use rayflock_geom::simd::sphere_blocks::around_blocks;
 use rayflock_geom::simd::{LANES, Simd, SimdLevel, SimdMask, dispatch};
 use rayflock_geom::{Sphere, SphereCone};
 
-use super::cluster::{WeightedPoint, sort_along_curve};
+use super::along_curve::sort_along_curve;
+use super::cluster::WeightedPoint;
 
 /// Relative to distances: covers the rounding of squared distances in the kernel.
 const SLACK: f32 = 1e-4;
@@ -81,12 +82,8 @@ impl SphereTree {
         self.walls.clear();
         self.walls.extend_from_slice(walls);
         self.points.clear();
-        self.points.extend((0..).zip(spheres).map(|(idx, sphere)| WeightedPoint {
-            position: sphere.center,
-            weight: 1.0,
-            idx,
-            code: 0,
-        }));
+        let point = |(idx, sphere): (u32, &SoftSphere)| WeightedPoint::at(sphere.center, idx);
+        self.points.extend((0..).zip(spheres).map(point));
         sort_along_curve(&mut self.points);
         self.spheres.clear();
         self.spheres.extend(self.points.iter().map(|point| spheres[point.idx as usize]));
