@@ -24,9 +24,10 @@
 //! **Source.** L. Szecsi, L. Szirmay-Kalos et al.: virtual light sources with spherical occluders
 //! (Szecsi's thesis, chapter 5), for the idea and the inner and outer radius. R. Wang et al.,
 //! "Variational sphere set approximation for solid objects", The Visual Computer 22 (2006), for
-//! spheres as clusters that Lloyd's iterations improve; Z. Ren et al., "Real-time Soft Shadows in
-//! Dynamic Scenes using Spherical Harmonic Exponentiation", SIGGRAPH 2006, for sets that follow
-//! deforming meshes by what they are bound to.
+//! spheres as clusters that Lloyd's iterations improve; D. Cohen-Steiner et al., "Variational Shape
+//! Approximation", SIGGRAPH 2004, for clusters that face alike; Z. Ren et al., "Real-time Soft
+//! Shadows in Dynamic Scenes using Spherical Harmonic Exponentiation", SIGGRAPH 2006, for sets that
+//! follow deforming meshes by what they are bound to.
 //!
 //! **Departures.** Clusters are of pieces of the surface, not of the volume, so that open, thin
 //! and torn meshes have spheres as well and a refit is one pass over the triangles.

@@ -13,8 +13,8 @@ use rayflock_geom::simd::{LANES, SimdBase, SimdLevel, dispatch, f32x16};
 
 use super::cluster::WeightedPoint;
 
-/// Appends to `ranges` at most `count` clusters of `points`, which it sorts: runs of equal weight along
-/// the curve.
+/// Appends to `ranges` at most `count` clusters of `points`, which it sorts: runs of equal weight
+/// along the curve.
 pub(super) fn cluster_quickly(
     points: &mut [WeightedPoint],
     count: usize,

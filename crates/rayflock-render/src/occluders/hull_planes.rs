@@ -150,8 +150,8 @@ pub(super) fn hull_planes(mesh: &Mesh) -> Vec<HullPlane> {
     planes
 }
 
-/// Planes that hold most of the surface and have the extreme points of the mesh on one side, without
-/// area yet.
+/// Planes that hold most of the surface and have the extreme points of the mesh on one side;
+/// without area yet.
 fn candidates(mesh: &Mesh, triangles: &[(f32, [Vec3; 3])], tolerance: f32) -> Vec<HullPlane> {
     // Triangles of about one plane, which is that of the first of them.
     let mut alike: HashMap<[i32; 4], (f32, usize)> = HashMap::new();

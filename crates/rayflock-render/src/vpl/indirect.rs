@@ -19,7 +19,7 @@ use super::{
 use crate::Indirect;
 use crate::frame_shading::FrameShading;
 use crate::lightcuts::{Exact, Open, PastSpheres};
-use crate::occluders::{SceneSpheres, SphereSettings};
+use crate::occluders::{SceneSpheres, SphereSettings, SphereTree};
 use crate::stats::{FrameStats, Stage, Stopwatch};
 use crate::wave::ShadedRun;
 
@@ -36,6 +36,8 @@ pub(crate) struct IndirectLight {
     /// What there is in the frame, for spheres.
     geometry: Geometry,
     spheres: Option<Spheres>,
+    /// No spheres, for light that nothing is in the way of.
+    open_air: SphereTree,
     grouped: GroupedLights,
     cuts: CutGatherer,
 }
@@ -176,7 +178,10 @@ impl IndirectLight {
                 stats.add_traced(Stage::Indirect, exact.traced);
                 gathered
             }
-            _ => gather(lights, bound, &mut Unhindered, runs, &mut self.gather),
+            _ => {
+                self.open_air.build(&[], &[]);
+                gather_past_spheres(lights, &self.grouped, &self.open_air, bound, runs)
+            }
         }
     }
 
