@@ -4,7 +4,8 @@
 //!   intensities . cosine at the light . (diffuse . cosine at the point + specular) / pi / distance^2
 //! ```
 //!
-//! each factor at its largest over the box around the lights and the cone of their normals.
+//! each factor at its largest over the box around the lights and the cone of their normals. Of
+//! distant lights, irradiance stands in place of all that depends on the distance.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -49,6 +50,9 @@ pub(super) fn estimate(
     limit: GeometryBound,
 ) -> Vec3 {
     let light_idx = cluster.light_idx as usize;
+    if lights.is_distant(light_idx) {
+        return cluster.intensity * reflected_toward(point, lights.positions()[light_idx]);
+    }
     let offset = lights.positions()[light_idx] - point.position;
     let to_light = offset.normalize_or_zero();
     let light = lights.get(light_idx);
@@ -68,24 +72,22 @@ pub(super) fn estimate(
     sent * reflected_toward(point, to_light) * (kept / squared)
 }
 
-/// The radiance from a distant light.
-pub(super) fn from_distant(lights: &VirtualLights, light_idx: usize, point: &CutPoint) -> Vec3 {
-    lights.intensities()[light_idx] * reflected_toward(point, lights.positions()[light_idx])
-}
-
 fn reflected_toward(point: &CutPoint, to_light: Vec3) -> Vec3 {
     let CutPoint { normal, to_viewer, diffuse, specular, shininess, .. } = *point;
     reflected(diffuse, specular, shininess, normal, to_viewer, to_light)
 }
 
-/// The largest luminance that the lights of a cluster can send to the viewer in all; `has_lobes`
-/// where they shine into highlights as well.
+/// The largest luminance that the lights of a cluster can send to the viewer in all.
 pub(super) fn bound(
+    lights: &VirtualLights,
     cluster: &LightCluster,
-    has_lobes: bool,
     point: &CutPoint,
     limit: GeometryBound,
 ) -> f32 {
+    let light_idx = cluster.light_idx as usize;
+    if lights.is_distant(light_idx) {
+        return bound_of_distant(cluster, point);
+    }
     let (low, high) = (cluster.bounds.min - point.position, cluster.bounds.max - point.position);
     let height = (point.normal * low).max(point.normal * high).element_sum();
     if height <= 0.0 {
@@ -94,11 +96,23 @@ pub(super) fn bound(
     let nearest_squared = low.max(-high).max(Vec3::ZERO).length_squared();
     let cos = (height / nearest_squared.sqrt()).min(1.0);
     let at_light = match cos_at_light(cluster, point.position) {
-        cos if has_lobes && cos > 0.0 => 1.0,
+        // They shine into highlights as well.
+        cos if cos > 0.0 && lights.lobe(light_idx).is_some() => 1.0,
         cos => cos,
     };
     let at_light = at_light / nearest_squared.max(f32::MIN_POSITIVE);
     let reflected = point.diffuse * (cos * at_light).min(limit.0) + point.specular * at_light;
+    ROUNDING * FRAC_1_PI * luminance(cluster.intensity * reflected)
+}
+
+/// The same of distant lights, whose directions lie in the box of the cluster.
+fn bound_of_distant(cluster: &LightCluster, point: &CutPoint) -> f32 {
+    let (low, high) = (point.normal * cluster.bounds.min, point.normal * cluster.bounds.max);
+    let cos = low.max(high).element_sum().min(1.0);
+    if cos <= 0.0 {
+        return 0.0;
+    }
+    let reflected = point.diffuse * cos + point.specular;
     ROUNDING * FRAC_1_PI * luminance(cluster.intensity * reflected)
 }
 

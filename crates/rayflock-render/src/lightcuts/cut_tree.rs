@@ -12,7 +12,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use tracing::debug_span;
 
-use super::bound::{CutPoint, GeometryBound, bound, estimate, from_distant};
+use super::bound::{CutPoint, GeometryBound, bound, estimate};
 use super::cut_visibility::{CutPair, CutVisibility};
 use super::light_tree::LightTree;
 use crate::occluders::SeenLight;
@@ -27,7 +27,7 @@ const POINTS_AT_ONCE: usize = 4096;
 pub struct CutSettings {
     /// No cluster may be wrong by more than this share of the sum, in luminance.
     pub error_bound: f32,
-    /// Cuts have no more clusters than this, distant lights not counted.
+    /// Cuts have no more clusters than this.
     pub most_clusters: usize,
     /// Geometry terms (both cosines over the squared distance) above this count as this, so that no
     /// light is too bright; infinity bounds nothing.
@@ -46,7 +46,7 @@ impl Default for CutSettings {
 pub struct CutStats {
     /// Points.
     pub points: u64,
-    /// Clusters in all cuts, distant lights included.
+    /// Clusters in all cuts.
     pub clusters: u64,
     /// Clusters that were looked at.
     pub visited: u64,
@@ -84,11 +84,11 @@ struct Cut {
     stats: CutStats,
 }
 
-/// A cluster of a cut, or a distant light.
+/// A cluster of a cut.
 #[derive(Clone, Copy, Debug)]
 struct Member {
-    /// Of the tree; `None` for a distant light.
-    node_idx: Option<u32>,
+    /// Of the tree.
+    node_idx: u32,
     light_idx: u32,
     /// Radiance, were all seen.
     estimate: Vec3,
@@ -197,8 +197,7 @@ impl Rules<'_> {
     fn member(&self, point: &CutPoint, node_idx: u32, known: Option<&Member>) -> Option<Member> {
         let cluster = self.tree.cluster(node_idx);
         let limit = GeometryBound(self.settings.geometry_bound);
-        let has_lobes = self.lights.lobe(cluster.light_idx as usize).is_some();
-        let most = bound(cluster, has_lobes, point, limit);
+        let most = bound(self.lights, cluster, point, limit);
         if most <= 0.0 {
             return None;
         }
@@ -211,14 +210,7 @@ impl Rules<'_> {
         };
         let bound = if cluster.light_count == 1 { 0.0 } else { most };
         let light_idx = cluster.light_idx;
-        Some(Member { node_idx: Some(node_idx), light_idx, estimate, bound, share })
-    }
-
-    fn distant(&self, point: &CutPoint, light_idx: usize) -> Option<Member> {
-        let estimate = from_distant(self.lights, light_idx, point);
-        let light_idx = light_idx as u32;
-        let member = Member { node_idx: None, light_idx, estimate, bound: 0.0, share: UNKNOWN };
-        (estimate != Vec3::ZERO).then_some(member)
+        Some(Member { node_idx, light_idx, estimate, bound, share })
     }
 
     fn pair(&self, point: &CutPoint, member: &Member) -> CutPair {
@@ -230,11 +222,10 @@ impl Rules<'_> {
 }
 
 impl Cut {
-    /// Starts with the whole tree and the distant lights.
+    /// Starts with the whole tree.
     fn begin(&mut self, rules: &Rules<'_>, point: &CutPoint) {
         self.stats = CutStats { points: 1, ..CutStats::default() };
         self.members.clear();
-        self.members.extend(rules.lights.distant().filter_map(|idx| rules.distant(point, idx)));
         for root in rules.tree.roots() {
             self.stats.visited += 1;
             self.members.extend(rules.member(point, root, None));
@@ -269,10 +260,8 @@ impl Cut {
         let mut opened = false;
         for idx in 0..count {
             let member = self.members[idx];
-            let halves = match member.node_idx {
-                Some(node_idx) if member.bound > most => rules.tree.children(node_idx),
-                _ => None,
-            };
+            let is_wrong = member.bound > most;
+            let halves = is_wrong.then(|| rules.tree.children(member.node_idx)).flatten();
             // What is still to be looked at, and the halves of what was opened, are members too.
             let is_full = self.members.len() - (idx - kept) >= rules.settings.most_clusters;
             match halves {

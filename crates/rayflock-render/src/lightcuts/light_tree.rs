@@ -5,7 +5,8 @@
 //! ```
 //!
 //! Lights are halved across the widest of six extents: of positions, and of normals scaled to the
-//! size of the scene. So clusters are close and face alike.
+//! size of the scene. So clusters are close and face alike. Distant lights have a tree of their own,
+//! where directions are positions.
 
 use std::f32::consts::PI;
 
@@ -25,14 +26,15 @@ const LIGHTS_PER_TASK: usize = 1024;
 /// A cluster of lights, or one light.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightCluster {
-    /// Around the positions.
+    /// Around the positions; around the unit directions to distant lights.
     pub(super) bounds: Aabb,
     /// Normals deviate from `axis` by at most an angle with this cosine and sine; not bounded where
     /// the cosine is -1.
     pub(super) axis: Vec3,
     pub(super) cos: f32,
     pub(super) sin: f32,
-    /// What the lights send at most, in all, along their normals and into their highlights.
+    /// What the lights send at most, in all, along their normals and into their highlights;
+    /// irradiance of distant ones.
     pub(super) intensity: Vec3,
     /// The light that speaks for all.
     pub(super) light_idx: u32,
@@ -40,12 +42,12 @@ pub(super) struct LightCluster {
     pub(super) light_count: u32,
 }
 
-/// Clusters over all lights that are not distant.
+/// Clusters over all lights.
 #[derive(Debug, Default)]
 pub(super) struct LightTree {
     nodes: Vec<LightCluster>,
-    /// Of the lights without and with highlights.
-    roots: [Option<u32>; 2],
+    /// Of the lights without and with highlights, and of the distant ones.
+    roots: [Option<u32>; 3],
     /// Working memory.
     order: Vec<u32>,
 }
@@ -111,8 +113,9 @@ impl LightTree {
     /// Makes this the tree of `lights`, keeping its memory.
     pub(super) fn build(&mut self, lights: &VirtualLights) {
         self.nodes.clear();
-        self.roots = [None; 2];
-        for (root, range) in self.roots.iter_mut().zip([lights.plain(), lights.lobed()]) {
+        self.roots = [None; 3];
+        let ranges = [lights.plain(), lights.lobed(), lights.distant()];
+        for (root, range) in self.roots.iter_mut().zip(ranges) {
             if range.is_empty() {
                 continue;
             }
