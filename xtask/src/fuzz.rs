@@ -19,8 +19,6 @@ use crate::tools;
 
 /// How much each target does where nothing is asked for.
 const USUAL: Effort = Effort::Seconds(60);
-/// How much each target does among the other checks.
-const SHORT: Effort = Effort::Seconds(10);
 
 /// How much a target does.
 #[derive(Clone, Copy)]
@@ -88,14 +86,14 @@ fn seconds_of(minutes: &str) -> Result<u64> {
     Ok(duration.context("--minutes wants a number of minutes")?.as_secs().max(1))
 }
 
-/// A short run of all targets, where the machine has what it takes.
+/// The usual run of all targets, where the machine has what it takes.
 pub(crate) fn test(root: &Path) -> Result<()> {
     if !cfg!(unix) || !tools::want_cxx() {
         println!("== fuzzing: skipped: libFuzzer wants a C++ compiler on Linux or macOS");
         return Ok(());
     }
-    println!("== fuzzing: {SHORT} a target");
-    Fuzzing::new(root)?.run(targets_in(root)?, SHORT)
+    println!("== fuzzing: {USUAL} a target");
+    Fuzzing::new(root)?.run(targets_in(root)?, USUAL)
 }
 
 /// The names of all targets.
