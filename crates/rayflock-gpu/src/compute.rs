@@ -176,6 +176,12 @@ impl Compute {
         }
     }
 
+    /// Pairs that buffers have room for.
+    #[cfg(test)]
+    pub(crate) const fn pair_capacity(&self) -> usize {
+        self.pair_capacity
+    }
+
     /// Traces a span; as halves, where it makes more pairs than buffers can hold.
     fn trace_span(
         &mut self,
