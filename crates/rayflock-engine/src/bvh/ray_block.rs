@@ -56,8 +56,8 @@ impl StreamRay {
     }
 }
 
-/// Rays in the smallest group.
-const FEWEST: u32 = 4;
+/// Rays in the smallest group: fewer are not worth the tests that their company costs.
+const FEWEST: u32 = 8;
 
 /// Rays in the order of their batch.
 #[derive(Debug, Default)]
