@@ -75,8 +75,8 @@ use crate::scratch::Scratch;
 use crate::wanted::Wanted;
 use crate::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
 
-/// Triangles along the side of a group of rays.
-const GROUP_TRIANGLES: f32 = 8.0;
+/// Primitives along the side of a group of rays.
+const GROUP_PRIMS: f32 = 8.0;
 
 /// Traces streams of rays through a tree that is built anew each frame.
 #[derive(Debug, Default)]
@@ -133,14 +133,14 @@ impl BvhEngine {
         }
     }
 
-    /// How wide groups of rays may be: as some triangles, were these spread evenly over a square.
+    /// How wide groups of rays may be: as some primitives, were these spread evenly over a square.
     fn group_width(&self, order: RayOrder) -> f32 {
         if matches!(order, RayOrder::Unordered) {
             return 0.0;
         }
-        let leaf_count = self.fresh.triangle_leaves.len() + self.kept.triangle_leaves.len();
+        let leaf_count = self.fresh.leaf_count() + self.kept.leaf_count();
         let side = 2.0 * self.bounds().half_size.max_element();
-        GROUP_TRIANGLES * side / ((leaf_count * LANES) as f32).sqrt()
+        GROUP_PRIMS * side / ((leaf_count * LANES) as f32).sqrt()
     }
 
     /// Answers a batch, block by block.

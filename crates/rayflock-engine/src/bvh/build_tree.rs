@@ -155,13 +155,12 @@ impl LeafWriter<'_> {
         leaf: &mut OtherLeaf,
     ) -> BoxBounds {
         leaf.count = (sorter.len() - first).min(LANES);
-        let mut spheres = *self.table.bounds(sorter.slot(first) as usize / LANES);
         for lane in 0..LANES {
             let slot = sorter.slot(first + if lane < leaf.count { lane } else { 0 });
             leaf.slots[lane] = slot;
-            spheres.set(lane, &self.table.bound(slot));
+            leaf.bounds.set(lane, &self.table.bound(slot));
         }
-        around_spheres(simd, &spheres)
+        around_spheres(simd, &leaf.bounds)
     }
 }
 

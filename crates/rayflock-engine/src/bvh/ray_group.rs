@@ -20,7 +20,7 @@ pub(super) struct RayGroup {
     pub(super) first: u32,
     /// Rays that still want an answer.
     pub(super) active: u64,
-    /// How many more triangles the group may meet.
+    /// How many more triangles the group may meet, others counted as several.
     tests_left: u32,
     rays: RayPacket,
     masks: [u32; LANES],
@@ -31,7 +31,7 @@ pub(super) struct RayGroup {
     ranks: [u32; LANES],
 }
 
-/// Triangles that a group meets at most. Sixteen rays alone take about as long as a group with so
+/// Triangles that a group meets at most, others counted as several. Sixteen rays alone take about as long as a group with so
 /// many, so a group that is too wide for what it crosses costs no more than twice what its rays do.
 const MOST_TESTS: u32 = 128;
 
@@ -79,7 +79,7 @@ impl RayGroup {
         self.ranks = [u32::MAX; LANES];
     }
 
-    /// Notes that triangles were met; a group that has met too many crosses nothing any more.
+    /// Notes that so many were met; a group that has met too many crosses nothing any more.
     #[inline(always)]
     pub(super) fn spend(&mut self, test_count: u32) {
         self.tests_left = self.tests_left.saturating_sub(test_count);

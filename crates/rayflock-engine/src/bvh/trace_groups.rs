@@ -16,8 +16,11 @@ use super::tree::OtherLeaf;
 use super::walk_tree::Travellers;
 use crate::TraceStats;
 use crate::packet::{Nearest, TracePacket};
-use crate::primitives::{SPHERE_BYTES, TRIANGLE_BYTES};
+use crate::primitives::TRIANGLE_BYTES;
 use crate::triangle_leaf::TriangleLeaf;
+
+/// As many triangles take as long as another primitive.
+const OTHER_TESTS: u32 = 2;
 
 /// The groups of a block.
 pub(super) struct RayGroups<'a> {
@@ -72,26 +75,33 @@ impl<S: Simd> Travellers<S> for RayGroups<'_> {
     }
 
     #[inline(always)]
-    fn meet_others(&mut self, simd: S, leaf: &OtherLeaf, list: &[u32], stats: &mut TraceStats) {
-        let mut tests = TraceStats::default();
+    fn meet_others(
+        &mut self,
+        simd: S,
+        leaf: &OtherLeaf,
+        boxes: &BoxCorners<S>,
+        list: &[u32],
+        stats: &mut TraceStats,
+    ) {
+        stats.box_tests += (list.len() * LANES) as u64;
         for &idx in list {
-            let group = &mut self.groups[idx as usize];
-            if group.is_dissolved() {
+            let met = leaf.among(self.crosses(simd, idx, boxes));
+            if met == 0 {
                 continue;
             }
+            let group = &mut self.groups[idx as usize];
             self.packet.clear();
             for lane in (0..LANES).filter(|lane| group.active & (1 << lane) != 0) {
                 let ray = self.asked.batch.ray(self.first_ray + group.first as usize + lane);
                 self.packet.set(lane, &Ray { t_max: group.end(lane), ..ray }, f32::INFINITY);
             }
-            self.packet.test_all(simd, self.asked, leaf, &mut tests);
+            self.packet.test_some(simd, self.asked, leaf, met, stats);
             let mut found = [Nearest::NONE; LANES];
             for (lane, found) in found.iter_mut().enumerate() {
                 *found = self.packet.nearest(lane);
             }
             group.offer(simd, &found, self.asked.question);
+            group.spend(OTHER_TESTS * met.count_ones());
         }
-        tests.bytes = tests.sphere_tests / LANES as u64 * SPHERE_BYTES;
-        *stats += tests;
     }
 }

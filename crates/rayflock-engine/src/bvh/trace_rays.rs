@@ -84,48 +84,83 @@ impl<S: Simd> Travellers<S> for SingleRays<'_> {
         stats.bytes += (test_count * LANES) as u64 * TRIANGLE_BYTES;
     }
 
-    /// Sixteen rays of a list at a time against each primitive of a leaf.
+    /// Rays that cross the box of any primitive, sixteen at a time, against each primitive whose
+    /// box any of them crosses.
     #[inline(always)]
-    fn meet_others(&mut self, simd: S, leaf: &OtherLeaf, list: &[u32], stats: &mut TraceStats) {
-        let mut tests = TraceStats::default();
-        for list in list.chunks(LANES) {
-            self.packet.clear();
-            for (lane, &idx) in list.iter().enumerate() {
-                let idx = idx as usize;
-                let t_max = self.rays[idx].t_max;
-                if !self.rays[idx].is_done() {
-                    let ray = self.asked.batch.ray(self.first_ray + idx);
-                    self.packet.set(lane, &Ray { t_max, ..ray }, f32::INFINITY);
+    fn meet_others(
+        &mut self,
+        simd: S,
+        leaf: &OtherLeaf,
+        boxes: &BoxLanes<S>,
+        list: &[u32],
+        stats: &mut TraceStats,
+    ) {
+        stats.box_tests += (list.len() * LANES) as u64;
+        let mut left = list.iter();
+        loop {
+            let (mut met, mut count, mut met_by) = (0, 0, [0; LANES]);
+            while count < LANES
+                && let Some(&idx) = left.next()
+            {
+                let crossed = leaf.among(self.crosses(simd, idx, boxes));
+                if crossed != 0 {
+                    (met, met_by[count]) = (met | crossed, idx as usize);
+                    count += 1;
                 }
             }
-            self.packet.test_all(simd, self.asked, leaf, &mut tests);
-            for (lane, &idx) in list.iter().enumerate() {
-                let found = self.packet.nearest(lane);
-                if !found.is_none() {
-                    self.nearest[idx as usize].offer(found);
-                    self.shorten(idx as usize);
-                }
+            if count == 0 {
+                return;
+            }
+            self.meet_each(simd, leaf, met, &met_by[..count], stats);
+        }
+    }
+}
+
+impl SingleRays<'_> {
+    /// Up to sixteen rays against the primitives in some lanes of a leaf.
+    #[inline(always)]
+    fn meet_each<S: Simd>(
+        &mut self,
+        simd: S,
+        leaf: &OtherLeaf,
+        lanes: u32,
+        met_by: &[usize],
+        stats: &mut TraceStats,
+    ) {
+        self.packet.clear();
+        for (lane, &idx) in met_by.iter().enumerate() {
+            let ray = self.asked.batch.ray(self.first_ray + idx);
+            self.packet.set(lane, &Ray { t_max: self.rays[idx].t_max, ..ray }, f32::INFINITY);
+        }
+        self.packet.test_some(simd, self.asked, leaf, lanes, stats);
+        for (lane, &idx) in met_by.iter().enumerate() {
+            let found = self.packet.nearest(lane);
+            if !found.is_none() {
+                self.nearest[idx].offer(found);
+                self.shorten(idx);
             }
         }
-        tests.bytes = tests.sphere_tests / LANES as u64 * SPHERE_BYTES;
-        *stats += tests;
     }
 }
 
 impl TracePacket {
-    /// Tests all primitives of a leaf until no ray wants an answer any more.
+    /// Tests the primitives in some lanes of a leaf until no ray wants an answer any more.
     #[inline(always)]
-    pub(super) fn test_all<S: Simd>(
+    pub(super) fn test_some<S: Simd>(
         &mut self,
         simd: S,
         asked: &BlockQuestion<'_>,
         leaf: &OtherLeaf,
-        tests: &mut TraceStats,
+        mut lanes: u32,
+        stats: &mut TraceStats,
     ) {
-        for &slot in &leaf.slots[..leaf.count] {
-            if !self.is_done() {
-                self.test(simd, asked.table, slot, asked.question, tests);
-            }
+        let mut tests = TraceStats::default();
+        while lanes != 0 && !self.is_done() {
+            let slot = leaf.slots[lanes.trailing_zeros() as usize];
+            lanes &= lanes - 1;
+            self.test(simd, asked.table, slot, asked.question, &mut tests);
         }
+        tests.bytes = tests.sphere_tests / LANES as u64 * SPHERE_BYTES;
+        *stats += tests;
     }
 }

@@ -13,21 +13,30 @@
 use std::ops::Range;
 
 use rayflock_geom::simd::LANES;
+use rayflock_geom::simd::cone_sphere::SphereBlock;
 use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxBounds};
 
 use super::leaf_order::LeafOrder;
 use crate::triangle_leaf::TriangleLeaf;
 
-/// The slots of up to sixteen spheres or user primitives.
+/// Up to sixteen spheres or user primitives.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OtherLeaf {
+    /// Their bounding spheres.
+    pub(super) bounds: SphereBlock,
     pub(super) slots: [u32; LANES],
     pub(super) count: usize,
 }
 
 impl OtherLeaf {
     /// A leaf without primitives.
-    pub(super) const EMPTY: Self = Self { slots: [0; LANES], count: 0 };
+    pub(super) const EMPTY: Self = Self { bounds: SphereBlock::EMPTY, slots: [0; LANES], count: 0 };
+
+    /// Those of some lanes that hold a primitive.
+    #[inline(always)]
+    pub(super) const fn among(&self, lanes: u32) -> u32 {
+        lanes & ((1 << self.count) - 1)
+    }
 }
 
 /// What a child of a node is.
@@ -79,6 +88,11 @@ impl Tree {
     /// Whether there is nothing to hit.
     pub(super) fn is_empty(&self) -> bool {
         self.nodes.is_empty()
+    }
+
+    /// Number of leaves of any kind.
+    pub(super) fn leaf_count(&self) -> usize {
+        self.triangle_leaves.len() + self.other_leaves.len()
     }
 
     /// Number of levels of nodes.

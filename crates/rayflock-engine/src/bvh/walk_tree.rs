@@ -14,6 +14,7 @@
 
 use rayflock_geom::simd::aligned_rays::{face_axes, goes_along};
 use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxLanes};
+use rayflock_geom::simd::triangle_boxes::sphere_boxes;
 use rayflock_geom::simd::{LANES, Simd, SimdBase, SimdMask, u32x16};
 
 use super::tree::{Child, OtherLeaf, Tree};
@@ -41,8 +42,15 @@ pub(super) trait Travellers<S: Simd> {
         stats: &mut TraceStats,
     );
 
-    /// All of a list against the other primitives of a leaf.
-    fn meet_others(&mut self, simd: S, leaf: &OtherLeaf, list: &[u32], stats: &mut TraceStats);
+    /// All of a list against the other primitives of a leaf, which lie in `boxes`.
+    fn meet_others(
+        &mut self,
+        simd: S,
+        leaf: &OtherLeaf,
+        boxes: &Self::Boxes,
+        list: &[u32],
+        stats: &mut TraceStats,
+    );
 }
 
 /// Lists on their way through a tree; memory is kept.
@@ -96,7 +104,8 @@ impl TreeWalk {
                 }
                 Child::Others(leaf_idx) => {
                     let leaf = &tree.other_leaves[leaf_idx];
-                    travellers.meet_others(simd, leaf, &self.lists[list], stats);
+                    let boxes = T::ready(sphere_boxes(simd, &leaf.bounds, face_axes(face)));
+                    travellers.meet_others(simd, leaf, &boxes, &self.lists[list], stats);
                 }
             }
         }

@@ -5,7 +5,9 @@ use super::super::cone_sphere::{SLACK, SphereBlock};
 use super::super::ray_beams::{BoxCorners, RayBeam, alike, beam_crosses};
 use super::super::ray_sphere::{SphereRays, intersect_sphere};
 use super::super::ray_triangle::{ShearedRay, TriangleBlock, intersect_block};
-use super::super::triangle_boxes::{around_spheres, around_triangles, triangle_corners};
+use super::super::triangle_boxes::{
+    around_spheres, around_triangles, sphere_boxes, triangle_corners,
+};
 use super::super::{SimdLevel, SimdMask, dispatch};
 use super::*;
 use crate::{Ray, Sphere};
@@ -40,21 +42,57 @@ enum Content {
     Sphere(Sphere),
 }
 
-/// Whether the box in the middle of larger bounds is crossed, at every level; levels may differ.
-fn crossed(ray: &Ray, content: Content, room: &BoxBounds) -> Vec<bool> {
-    let (mut triangles, mut spheres) = (TriangleBlock::EMPTY, SphereBlock::EMPTY);
-    for lane in 0..16 {
-        match content {
-            Content::Triangle(corners) => triangles.set(lane, corners),
-            Content::Sphere(sphere) => spheres.set(lane, &sphere),
+/// As leaves of a tree have it.
+#[expect(clippy::large_enum_variant, reason = "there is one at a time")]
+enum Leaf {
+    Triangles(TriangleBlock),
+    Spheres(SphereBlock),
+}
+
+impl Content {
+    /// In all lanes.
+    fn leaf(&self) -> Leaf {
+        match *self {
+            Self::Triangle(corners) => {
+                let mut triangles = TriangleBlock::EMPTY;
+                (0..16).for_each(|lane| triangles.set(lane, corners));
+                Leaf::Triangles(triangles)
+            }
+            Self::Sphere(sphere) => {
+                let mut spheres = SphereBlock::EMPTY;
+                (0..16).for_each(|lane| spheres.set(lane, &sphere));
+                Leaf::Spheres(spheres)
+            }
         }
     }
+}
+
+impl Leaf {
+    /// The box around all.
+    #[inline(always)]
+    fn bounds<S: Simd>(&self, simd: S) -> BoxBounds {
+        match self {
+            Self::Triangles(triangles) => around_triangles(simd, triangles),
+            Self::Spheres(spheres) => around_spheres(simd, spheres),
+        }
+    }
+
+    /// The boxes around each, as beams ask about them.
+    #[inline(always)]
+    fn corners<S: Simd>(&self, simd: S, axes: [usize; 3]) -> BoxCorners<S> {
+        match self {
+            Self::Triangles(triangles) => triangle_corners(simd, triangles, axes),
+            Self::Spheres(spheres) => BoxCorners::of(&sphere_boxes(simd, spheres, axes)),
+        }
+    }
+}
+
+/// Whether the box in the middle of larger bounds is crossed, at every level; levels may differ.
+fn crossed(ray: &Ray, content: Content, room: &BoxBounds) -> Vec<bool> {
+    let leaf = content.leaf();
     let at_level = |level: SimdLevel| {
         dispatch!(level.level(), simd => {
-            let bounds = match content {
-                Content::Triangle(_) => around_triangles(simd, &triangles),
-                Content::Sphere(_) => around_spheres(simd, &spheres),
-            };
+            let bounds = leaf.bounds(simd);
             let mut block = BoxBlock::ZERO;
             block.set(LANE, &bounds);
             // As a node of a tree has it.
@@ -63,10 +101,14 @@ fn crossed(ray: &Ray, content: Content, room: &BoxBounds) -> Vec<bool> {
             parent.pad(1);
             parent.set(LANE, &parent.around(simd));
             let (origin, prepared, axes, crosses_all) = prepare(simd, ray, &bounds.union(room));
-            let is_crossed = |block: &BoxBlock| {
-                crosses(simd, origin, &prepared, &block.load(simd, axes)).test(LANE)
+            let is_crossed =
+                |boxes: &BoxLanes<_>| crosses(simd, origin, &prepared, boxes).test(LANE);
+            let crosses_own = match &leaf {
+                Leaf::Triangles(_) => true,
+                Leaf::Spheres(spheres) => is_crossed(&sphere_boxes(simd, spheres, axes)),
             };
-            crosses_all && is_crossed(&block) && is_crossed(&parent)
+            let [block, parent] = [block, parent].map(|block| block.load(simd, axes));
+            crosses_all && crosses_own && is_crossed(&block) && is_crossed(&parent)
         })
     };
     SimdLevel::available().into_iter().map(at_level).collect()
@@ -88,14 +130,9 @@ fn prepare<S: Simd>(simd: S, ray: &Ray, bounds: &BoxBounds) -> (Vec3, BoxRay, [u
 }
 
 /// Whether the beam around the ray and fifteen others, of which each lies a little farther off by
-/// `apart`, crosses the box around a triangle and the triangle's own, at every level. True where
-/// they make no beam.
-fn beam_crosses_triangle(
-    ray: &Ray,
-    apart: [Vec3; 2],
-    corners: [Vec3; 3],
-    room: &BoxBounds,
-) -> bool {
+/// `apart`, crosses the box around what a leaf holds and the box around each, at every level. True
+/// where they make no beam.
+fn beam_crosses_content(ray: &Ray, apart: [Vec3; 2], content: Content, room: &BoxBounds) -> bool {
     let mut rays = RayLanes {
         origin: [[0.0; 16]; 3],
         direction: [[0.0; 16]; 3],
@@ -110,11 +147,10 @@ fn beam_crosses_triangle(
             rays.direction[axis][lane] = direction[axis];
         }
     }
-    let mut triangles = TriangleBlock::EMPTY;
-    (0..16).for_each(|lane| triangles.set(lane, corners));
+    let leaf = content.leaf();
     SimdLevel::available().into_iter().all(|level| {
         dispatch!(level.level(), simd => {
-            let bounds = around_triangles(simd, &triangles);
+            let bounds = leaf.bounds(simd);
             let (prepared, _) = AlignedRays::prepare(simd, &rays, &bounds.union(room), SLACK);
             let axes = face_axes(prepared.face(LANE));
             let mut block = BoxBlock::ZERO;
@@ -124,7 +160,7 @@ fn beam_crosses_triangle(
             let lanes = alike(simd, &prepared, lanes, f32::INFINITY, 0.0);
             RayBeam::around(simd, &prepared, lanes | 1 << LANE).is_none_or(|beam| {
                 let boxes = BoxCorners::of(&block.load(simd, axes));
-                let own = triangle_corners(simd, &triangles, axes);
+                let own = leaf.corners(simd, axes);
                 beam_crosses(simd, &beam, &boxes).test(LANE)
                     && beam_crosses(simd, &beam, &own).test(LANE)
             })
@@ -194,7 +230,7 @@ proptest! {
                 let crossed = crossed(&ray, content, &room);
                 prop_assert!(crossed.iter().all(|&crossed| crossed), "{ray:?} {corners:?}");
                 let apart = [scale * others[0], length * others[1]];
-                prop_assert!(beam_crosses_triangle(&ray, apart, corners, &room), "{ray:?}");
+                prop_assert!(beam_crosses_content(&ray, apart, content, &room), "{ray:?}");
             }
         }
     }
@@ -217,10 +253,11 @@ proptest! {
         if let Some(t) = hit_triangle(&ray, corners) {
             let room = room(place(others[0]), place(others[1]));
             let ray = reaching(&ray, t);
-            let crossed = crossed(&ray, Content::Triangle(corners), &room);
+            let content = Content::Triangle(corners);
+            let crossed = crossed(&ray, content, &room);
             prop_assert!(crossed.iter().all(|&crossed| crossed), "{ray:?} {corners:?}");
             let apart = [scale * others[0], length * others[1]];
-            prop_assert!(beam_crosses_triangle(&ray, apart, corners, &room), "{ray:?}");
+            prop_assert!(beam_crosses_content(&ray, apart, content, &room), "{ray:?}");
         }
     }
 
@@ -240,8 +277,11 @@ proptest! {
         prop_assume!(sphere.radius > 1e-18 && (sphere.center - origin).length() < 1e17);
         if let Some(t) = hit_sphere(&ray, &sphere) {
             let room = room(place(others[0]), place(others[1]));
-            let crossed = crossed(&reaching(&ray, t), Content::Sphere(sphere), &room);
+            let (ray, content) = (reaching(&ray, t), Content::Sphere(sphere));
+            let crossed = crossed(&ray, content, &room);
             prop_assert!(crossed.iter().all(|&crossed| crossed), "{ray:?} {sphere:?} at {t}");
+            let apart = [scale * others[0], length * others[1]];
+            prop_assert!(beam_crosses_content(&ray, apart, content, &room), "{ray:?} {sphere:?}");
         }
     }
 }

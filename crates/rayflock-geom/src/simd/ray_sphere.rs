@@ -22,7 +22,7 @@
 //! a radius below 1e-19, or farther away than 1e18, is out of range and missed.
 
 use super::axes::{dot, load_axes, splat_axes, subtract};
-use super::{Lanes, Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
+use super::{Lanes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 use crate::{Ray, Sphere};
 
 /// Sixteen rays as columns, for spheres.
@@ -81,7 +81,12 @@ pub fn intersect_sphere<S: Simd>(
     let nearest = b / a;
     let l = [f[0] + nearest * d[0], f[1] + nearest * d[1], f[2] + nearest * d[2]];
     let discriminant = radius_squared - dot(l, l);
-    let touched = active & discriminant.simd_ge(f32x16::splat(simd, 0.0));
+    let zero = f32x16::splat(simd, 0.0);
+    let touched = active & discriminant.simd_ge(zero);
+    if !touched.any_true() {
+        // Roots cost more than all the rest.
+        return (touched, zero);
+    }
 
     // Both roots, in order, in multiples of the direction as given.
     let q = b + (a * discriminant).sqrt().copysign(b);
@@ -107,7 +112,7 @@ mod tests {
     use glam::Vec3;
     use proptest::prelude::*;
 
-    use super::super::{SimdLevel, SimdMask, dispatch};
+    use super::super::{SimdLevel, dispatch};
     use super::*;
 
     /// The answer for one ray in lane 5, at every level; they must agree.

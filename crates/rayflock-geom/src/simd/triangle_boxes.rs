@@ -9,7 +9,7 @@
 use super::axes::{Axes, load_axes, load_ordered_axes, subtract};
 use super::cone_sphere::SphereBlock;
 use super::ray_beams::BoxCorners;
-use super::ray_boxes::{BoxBounds, CORNER_ERROR};
+use super::ray_boxes::{BoxBounds, BoxLanes, CORNER_ERROR};
 use super::ray_triangle::{DEPTH_ERROR, TriangleBlock};
 use super::{Simd, SimdBase, f32x16};
 
@@ -76,6 +76,22 @@ pub fn around_spheres<S: Simd>(simd: S, spheres: &SphereBlock) -> BoxBounds {
     let outward = spheres.radius * f32x16::splat(simd, 1.0 + 2.0 * DEPTH_ERROR);
     let (min, max) = move_apart(spheres.center, spheres.center, outward);
     BoxBounds::around_lanes(min, max)
+}
+
+/// The boxes around each of sixteen bounding spheres, enlarged, with their coordinates in the order
+/// of `axes`. Sides are moved for rounding, as [`BoxBounds::between`] does.
+#[inline(always)]
+pub fn sphere_boxes<S: Simd>(simd: S, spheres: &SphereBlock, axes: [usize; 3]) -> BoxLanes<S> {
+    let center = load_ordered_axes(simd, &spheres.center, axes);
+    let radius = f32x16::from_slice(simd, &spheres.radius);
+    let outward = radius * f32x16::splat(simd, 1.0 + 2.0 * DEPTH_ERROR);
+    let error = f32x16::splat(simd, CORNER_ERROR);
+    let half_size = [
+        outward + (center[0].abs() + outward) * error,
+        outward + (center[1].abs() + outward) * error,
+        outward + (center[2].abs() + outward) * error,
+    ];
+    BoxLanes { center, half_size }
 }
 
 /// Moves the sides of boxes outward.
