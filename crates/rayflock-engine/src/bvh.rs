@@ -195,9 +195,8 @@ impl BvhEngine {
 fn block_len(ray_count: usize, prim_count: usize, has_groups: bool) -> usize {
     let longest = match prim_count {
         _ if has_groups => 16 << 10,
-        0..8192 => 16 << 10,
-        8192..131_072 => 64 << 10,
-        131_072..524_288 => 128 << 10,
+        0..131_072 => 16 << 10,
+        131_072..524_288 => 64 << 10,
         _ => 256 << 10,
     };
     let tasks = ray_count.div_ceil(longest).max(2 * rayon::current_num_threads());
