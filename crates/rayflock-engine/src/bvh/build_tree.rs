@@ -114,9 +114,8 @@ impl LeafWriter<'_> {
                 let first = node_idx * LANES * LANES;
                 for (pair_idx, pair) in leaves.chunks_mut(2).enumerate() {
                     let slots = &slots[first + pair_idx * ROW_COUNT..];
-                    let ahead = slots.len().min(ROWS_AHEAD)..slots.len().min(ROWS_AHEAD + ROW_COUNT);
-                    reader.ask_for(&slots[ahead]);
-                    reader.stage(slots.iter().copied(), &mut staged);
+                    reader.ask_for(pair_ahead(slots));
+                    reader.stage(slots, &mut staged);
                     write_pair(simd, &staged, pair);
                 }
                 for (lane, leaf) in leaves.iter().enumerate() {
@@ -164,15 +163,24 @@ impl LeafWriter<'_> {
     }
 }
 
+/// The slots of the pair of leaves that memory is to be asked for; fewer near the end.
+#[inline(always)]
+fn pair_ahead(slots: &[u32]) -> &[u32] {
+    let [first, end] = [ROWS_AHEAD, ROWS_AHEAD + ROW_COUNT].map(|row| slots.len().min(row));
+    &slots[first..end]
+}
+
 /// Writes staged triangles as one or two leaves.
 #[inline(always)]
 fn write_pair<S: Simd>(simd: S, staged: &StagedTriangles, leaves: &mut [TriangleLeaf]) {
     let triangles = columns_of_rows(simd, &staged.rows);
-    let columns = triangles.iter().zip(&staged.masks).zip(&staged.ranks);
-    for (leaf, ((triangles, masks), ranks)) in leaves.iter_mut().zip(columns) {
+    for (idx, (leaf, mut triangles)) in leaves.iter_mut().zip(triangles).enumerate() {
+        if let Some(transform) = &staged.transforms[idx] {
+            triangles = triangles.transformed(simd, transform);
+        }
         triangles.store(&mut leaf.triangles);
-        leaf.masks = *masks;
-        leaf.ranks = *ranks;
+        leaf.masks = staged.masks[idx];
+        leaf.ranks = staged.ranks[idx];
     }
 }
 

@@ -16,17 +16,23 @@ use crate::primitives::PrimitiveTable;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StagedTriangles {
     pub(super) rows: [TriangleRow; ROW_COUNT],
+    /// What brings the rows of a leaf into the world, where they are not there yet.
+    pub(super) transforms: [Option<Affine3A>; 2],
     pub(super) masks: [[u32; LANES]; 2],
     pub(super) ranks: [[u32; LANES]; 2],
 }
 
 impl StagedTriangles {
     /// Nothing to hit.
-    pub(super) const EMPTY: Self =
-        Self { rows: [[0.0; 9]; ROW_COUNT], masks: [[0; LANES]; 2], ranks: [[u32::MAX; LANES]; 2] };
+    pub(super) const EMPTY: Self = Self {
+        rows: [[0.0; 9]; ROW_COUNT],
+        transforms: [None; 2],
+        masks: [[0; LANES]; 2],
+        ranks: [[u32::MAX; LANES]; 2],
+    };
 }
 
-/// Reads triangles by slots; quickest where most are of the same object as the one before.
+/// Reads triangles by slots; quickest where all of a leaf are of one object.
 #[derive(Debug)]
 pub(super) struct TriangleReader<'a> {
     table: &'a PrimitiveTable,
@@ -41,7 +47,7 @@ struct ReadObject<'a> {
     first_rank: usize,
     mask: u32,
     mesh: &'a Mesh,
-    /// The triangles, where they are rows already and in world space.
+    /// The triangles, where the mesh has them as rows.
     rows: Option<&'a [TriangleRow]>,
     transform: Option<&'a Affine3A>,
 }
@@ -51,52 +57,60 @@ impl<'a> TriangleReader<'a> {
         Self { table, last: None }
     }
 
-    /// Reads the triangles of up to 32 slots, none of them ignored. Where there are fewer, the
+    /// Reads the triangles of the first 32 slots, none of them ignored. Where there are fewer, the
     /// first of a leaf is there again, out of sight.
     #[inline(always)]
-    pub(super) fn stage(
-        &mut self,
-        slots: impl ExactSizeIterator<Item = u32>,
-        staged: &mut StagedTriangles,
-    ) {
-        let count = slots.len().min(ROW_COUNT);
-        for (idx, slot) in slots.take(count).enumerate() {
-            let object = self.object(slot);
-            let triangle_idx = slot as usize - object.first_slot;
-            staged.rows[idx] = match object.rows {
-                Some(rows) => rows[triangle_idx],
-                None => object.row(triangle_idx),
-            };
-            staged.masks[idx / LANES][idx % LANES] = object.mask;
-            staged.ranks[idx / LANES][idx % LANES] = (object.first_rank + triangle_idx) as u32;
+    pub(super) fn stage(&mut self, slots: &[u32], staged: &mut StagedTriangles) {
+        for (leaf_idx, slots) in slots.chunks(LANES).take(ROW_COUNT / LANES).enumerate() {
+            self.stage_leaf(slots, leaf_idx, staged);
         }
-        for idx in count..ROW_COUNT {
-            staged.rows[idx] = staged.rows[idx / LANES * LANES];
-            staged.masks[idx / LANES][idx % LANES] = 0;
-            staged.ranks[idx / LANES][idx % LANES] = u32::MAX;
+    }
+
+    #[inline(always)]
+    fn stage_leaf(&mut self, slots: &[u32], leaf_idx: usize, staged: &mut StagedTriangles) {
+        let StagedTriangles { rows, transforms, masks, ranks } = staged;
+        let rows = &mut rows[leaf_idx * LANES..(leaf_idx + 1) * LANES];
+        let (masks, ranks) = (&mut masks[leaf_idx], &mut ranks[leaf_idx]);
+        let object = self.object(slots[0]);
+        if slots.iter().all(|&slot| object.has(slot)) {
+            object.copy_rows(slots, rows);
+            transforms[leaf_idx] = object.transform.copied();
+            *masks = [object.mask; LANES];
+            for (rank, &slot) in ranks.iter_mut().zip(slots) {
+                *rank = object.rank(slot);
+            }
+        } else {
+            transforms[leaf_idx] = None;
+            for (lane, &slot) in slots.iter().enumerate() {
+                let object = self.object(slot);
+                rows[lane] = object.row_in_world(slot);
+                (masks[lane], ranks[lane]) = (object.mask, object.rank(slot));
+            }
+        }
+        for lane in slots.len()..LANES {
+            rows[lane] = rows[0];
+            (masks[lane], ranks[lane]) = (0, u32::MAX);
         }
     }
 
     /// Asks for triangles that will be read soon, so that they are in the cache by then.
     #[inline(always)]
     pub(super) fn ask_for(&mut self, slots: &[u32]) {
-        for &slot in slots {
-            let object = self.object(slot);
-            let triangle_idx = slot as usize - object.first_slot;
-            match object.rows {
-                Some(rows) => prefetch(&rows[triangle_idx]),
-                None => prefetch(&object.mesh.triangles()[triangle_idx]),
-            }
+        let Some(&first) = slots.first() else { return };
+        let object = self.object(first);
+        if slots.iter().all(|&slot| object.has(slot)) {
+            object.ask_for(slots);
+        } else {
+            slots.chunks(1).for_each(|slot| self.object(slot[0]).ask_for(slot));
         }
     }
 
     /// The object of a slot.
     #[inline(always)]
     fn object(&mut self, slot: u32) -> ReadObject<'a> {
-        let slot = slot as usize;
         match self.last {
-            Some(last) if slot.wrapping_sub(last.first_slot) < last.triangle_count => last,
-            _ => self.find(slot),
+            Some(last) if last.has(slot) => last,
+            _ => self.find(slot as usize),
         }
     }
 
@@ -107,15 +121,14 @@ impl<'a> TriangleReader<'a> {
         // Objects without triangles begin where the next one does, and lie before it.
         let object_idx = spans.partition_point(|span| span.first_slot.triangles <= slot) - 1;
         let (span, object) = (&spans[object_idx], &self.table.geometry().objects()[object_idx]);
-        let (mesh, transform) = (&*object.shape, object.world_from_object.as_ref());
         let found = ReadObject {
             first_slot: span.first_slot.triangles,
             triangle_count: span.count.triangles,
             first_rank: span.first_rank,
             mask: object.mask,
-            mesh,
-            rows: if transform.is_none() { mesh.soup() } else { None },
-            transform,
+            mesh: &object.shape,
+            rows: object.shape.soup(),
+            transform: object.world_from_object.as_ref(),
         };
         self.last = Some(found);
         found
@@ -123,16 +136,54 @@ impl<'a> TriangleReader<'a> {
 }
 
 impl ReadObject<'_> {
-    /// A triangle by its vertices, in world space.
+    /// Whether a slot is one of the object's.
     #[inline(always)]
-    fn row(&self, triangle_idx: usize) -> TriangleRow {
-        let vertices = self.mesh.vertices();
-        let corner = |vertex_idx: u32| -> Vec3 {
-            let corner = vertices[vertex_idx as usize];
-            self.transform.map_or(corner, |transform| transform_point(transform, corner))
-        };
-        let [a, b, c] = self.mesh.triangles()[triangle_idx];
-        let (a, b, c) = (corner(a), corner(b), corner(c));
-        [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z]
+    const fn has(&self, slot: u32) -> bool {
+        (slot as usize).wrapping_sub(self.first_slot) < self.triangle_count
     }
+
+    #[inline(always)]
+    const fn rank(&self, slot: u32) -> u32 {
+        (self.first_rank + slot as usize - self.first_slot) as u32
+    }
+
+    #[inline(always)]
+    fn ask_for(&self, slots: &[u32]) {
+        let triangle_idx = |slot: u32| slot as usize - self.first_slot;
+        if let Some(rows) = self.rows {
+            slots.iter().for_each(|&slot| prefetch(&rows[triangle_idx(slot)]));
+        } else {
+            let triangles = self.mesh.triangles();
+            slots.iter().for_each(|&slot| prefetch(&triangles[triangle_idx(slot)]));
+        }
+    }
+
+    /// Triangles of the object, in its own space.
+    #[inline(always)]
+    fn copy_rows(&self, slots: &[u32], rows: &mut [TriangleRow]) {
+        let triangle_idx = |slot: u32| slot as usize - self.first_slot;
+        if let Some(from) = self.rows {
+            for (row, &slot) in rows.iter_mut().zip(slots) {
+                *row = from[triangle_idx(slot)];
+            }
+        } else {
+            for (row, &slot) in rows.iter_mut().zip(slots) {
+                *row = row_of(self.mesh.corners(triangle_idx(slot)));
+            }
+        }
+    }
+
+    /// A triangle of the object, in the world.
+    fn row_in_world(&self, slot: u32) -> TriangleRow {
+        let corners = self.mesh.corners(slot as usize - self.first_slot);
+        row_of(match self.transform {
+            Some(transform) => corners.map(|corner| transform_point(transform, corner)),
+            None => corners,
+        })
+    }
+}
+
+#[inline(always)]
+const fn row_of([a, b, c]: [Vec3; 3]) -> TriangleRow {
+    [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z]
 }
