@@ -40,8 +40,8 @@
 //! dense teapot in a wide arena (158K triangles, 230K rays) from 49 to 5.4 ms, its mirrored rays
 //! from 32 to 6.5 ms.
 //!
-//! **Did not pay.** Asking for all children of a node ahead (lists are long enough to hide the
-//! wait, and far children are forgotten before their turn); blocks of another length; huge pages.
+//! **Did not pay.** Sending rays of short lists through the rest of a tree one by one, nearest box
+//! first; asking for the vertices of triangles ahead when leaves are written; huge pages.
 
 mod build_tree;
 mod config;

@@ -68,14 +68,14 @@ fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
     match (kind, class) {
         (EngineKind::Brute, _) => Coefficients { fixed: 5_000.0, test: 0.2, ..NOTHING },
         (EngineKind::Bvh, SharedOrigin | SharedDirection) => {
-            Coefficients { fixed: 80_000.0, fresh_prim: 25.0, ray_level: 6.0, ..NOTHING }
+            Coefficients { fixed: 80_000.0, fresh_prim: 15.0, ray_level: 6.0, ..NOTHING }
         }
         (EngineKind::Bvh, Ordered) => {
-            Coefficients { fixed: 80_000.0, fresh_prim: 25.0, ray_level: 9.0, ..NOTHING }
+            Coefficients { fixed: 80_000.0, fresh_prim: 15.0, ray_level: 9.0, ..NOTHING }
         }
         (EngineKind::Bvh, Unordered) => Coefficients {
             fixed: 50_000.0,
-            fresh_prim: 20.0,
+            fresh_prim: 12.0,
             ray: 10.0,
             ray_level: 23.0,
             ..NOTHING

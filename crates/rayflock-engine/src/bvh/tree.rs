@@ -12,6 +12,7 @@
 
 use std::ops::Range;
 
+use rayflock_geom::prefetch;
 use rayflock_geom::simd::LANES;
 use rayflock_geom::simd::cone_sphere::SphereBlock;
 use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxBounds};
@@ -138,6 +139,16 @@ impl Tree {
             Child::Triangles(node_idx * LANES + lane)
         } else {
             Child::Others((node_idx - self.triangle_node_count()) * LANES + lane)
+        }
+    }
+
+    /// Asks for a child that will be visited soon, so that it is in the cache by then.
+    #[inline(always)]
+    pub(super) fn ask_for(&self, child: Child) {
+        match child {
+            Child::Node(level, node_idx) => prefetch(self.boxes(level, node_idx)),
+            Child::Triangles(leaf_idx) => prefetch(&self.triangle_leaves[leaf_idx]),
+            Child::Others(leaf_idx) => prefetch(&self.other_leaves[leaf_idx]),
         }
     }
 

@@ -138,6 +138,7 @@ impl TreeWalk {
         for lane in order {
             let len = self.append_list(simd, visit, lane, top);
             let child = tree.child(level, node_idx, lane);
+            tree.ask_for(child);
             self.visits.push(Visit { child, first: top, len });
             top += len;
         }
