@@ -31,8 +31,9 @@ pub(super) struct RayGroup {
     ranks: [u32; LANES],
 }
 
-/// Triangles that a group meets at most, others counted as several. Sixteen rays alone take about as long as a group with so
-/// many, so a group that is too wide for what it crosses costs no more than twice what its rays do.
+/// Triangles that a group meets at most, others counted as several. Sixteen rays alone take about
+/// as long as a group with so many, so a group that is too wide for what it crosses costs no more
+/// than twice what its rays do.
 const MOST_TESTS: u32 = 128;
 
 /// From how many hits on it pays to write sixteen at once.
