@@ -38,8 +38,8 @@
 //! 18 ms (two AVX-512 server cores). Loading, grouping and answering a ray are some 30 cycles, a
 //! node 17 a single ray and 45 a group, a leaf 45 a single ray. Dissolving groups took shadows of a
 //! dense teapot in a wide arena (158K triangles, 230K rays) from 49 to 5.4 ms, its mirrored rays
-//! from 32 to 6.5 ms. Asking about the boxes of spheres before the spheres took shadows among 100K
-//! of them (225K rays) from 207 to 18 ms.
+//! from 32 to 6.5 ms. Asking about the boxes of spheres first, and dissolving groups by spheres as
+//! well, took shadows among 100K of them (225K rays) from 207 to 18 ms.
 //!
 //! **Did not pay.** Sending rays of short lists through the rest of a tree one by one, nearest box
 //! first; asking for the vertices of triangles ahead when leaves are written; huge pages.

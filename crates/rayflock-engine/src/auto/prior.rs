@@ -1,5 +1,6 @@
 //! What each engine takes in a situation, as shipped: fitted to `rayflock bench map` on a server
-//! with two AVX-512 cores.
+//! with two AVX-512 cores; what building a tree takes was lowered since, by about as much as that
+//! became faster.
 //!
 //! Only ratios between engines matter where nothing was measured yet; what the machine at hand
 //! really takes is learnt by the [cost model](super::cost_model).
