@@ -4,7 +4,7 @@ use glam::Vec3;
 use rayflock_engine::bvh::{BvhEngine, Config};
 use rayflock_engine::{RayEngine, TraceStats};
 use rayflock_geom::{
-    FrameChanges, Geometry, GeometryObject, HitBuffer, ObjectId, RayBatch, RayOrder,
+    FrameChanges, Geometry, GeometryObject, HitBuffer, Mesh, ObjectId, RayBatch, RayOrder, Sphere,
 };
 
 use crate::nesting::{check, ground, rock};
@@ -34,6 +34,31 @@ fn groups_that_are_too_wide_are_dissolved() {
     let TraceStats { triangle_tests, .. } = engine.closest_hit(&batch, &mut hits.as_hits());
     let tests_a_ray = triangle_tests / batch.len() as u64;
     assert!(tests_a_ray < 300, "{tests_a_ray} triangle tests a ray");
+    check("closest, then occluded", &mut engine, &geometry, &batch);
+}
+
+/// As many small spheres as make a cube, and two far away that make the scene wide.
+fn cube_of_spheres() -> Geometry {
+    let place = |idx: usize| {
+        let steps = [idx % 16, idx / 16 % 16, idx / 256].map(|step| step as f32 / 8.0 - 1.0);
+        Sphere::new(Vec3::from(steps), 0.02)
+    };
+    let far = [-500.0, 500.0].map(|x| Sphere::new(x * Vec3::ONE, 0.02));
+    let mesh = Mesh::from_spheres((0..4096).map(place).chain(far).collect());
+    Geometry::new(vec![GeometryObject::new(ObjectId(0), mesh)]).unwrap()
+}
+
+#[test]
+fn groups_that_meet_too_many_spheres_are_dissolved() {
+    let (_, origins, direction) = rays_at_a_rock();
+    let geometry = cube_of_spheres();
+    let batch = RayBatch::new(&origins, direction).unwrap().with_order(RayOrder::Coherent);
+    let mut engine = BvhEngine::new(Config::default());
+    engine.commit(&geometry, &FrameChanges::all()).unwrap();
+    let mut hits = HitBuffer::new(batch.len());
+    let TraceStats { sphere_tests, .. } = engine.closest_hit(&batch, &mut hits.as_hits());
+    let tests_a_ray = sphere_tests / batch.len() as u64;
+    assert!(tests_a_ray < 80, "{tests_a_ray} sphere tests a ray");
     check("closest, then occluded", &mut engine, &geometry, &batch);
 }
 
