@@ -14,7 +14,7 @@ fn the_python_package_passes_its_tests() {
     let installed = Path::new(env!("CARGO_TARGET_TMPDIR")).join("python");
     install(&root, &installed).unwrap();
     let status = Command::new(python)
-        .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "python/tests"])
+        .args(["-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "python/tests"])
         .current_dir(&root)
         .env("PYTHONPATH", &installed)
         .env("PYTHONDONTWRITEBYTECODE", "1")
