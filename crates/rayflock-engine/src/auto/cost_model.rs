@@ -1,10 +1,11 @@
 //! What engines take: the shipped figures, corrected by what recent frames took.
 //!
-//! For each kind of situation and member stands the ratio of measured to shipped time. A situation
-//! that a member never met takes its ratio in the one most alike, the less the farther that is,
-//! and half of it: an engine that might be the best is tried a few times. A ratio that is not
-//! measured again sinks slowly, so that one bad moment of the machine does not rule an engine out
-//! for good.
+//! For each kind of situation and member stands the ratio of measured to shipped time. In a
+//! situation that a member never met, its ratio is guessed: from that of the other members there,
+//! for a machine that is slow or a view that is mostly empty is so for all of them, and from its own
+//! ratio in the situation most alike, the less the farther that is. Half of that guess counts: an
+//! engine that might be the best is tried a few times. A ratio that is not measured again sinks
+//! slowly, so that one bad moment of the machine does not rule an engine out for good.
 //!
 //! **Cost.** A search in a table of the situations met; memory grows with their kinds only.
 
@@ -84,24 +85,38 @@ impl CostModel {
     /// Nanoseconds that a member is expected to take for a batch; `is_fresh` when it is the first
     /// after a commit.
     pub(super) fn trace_ns(&self, member_idx: usize, situation: &Situation, is_fresh: bool) -> f32 {
-        let known = self.traces.get(&(situation.key(), is_fresh));
-        let ratio = known.and_then(|ratios| ratios[member_idx].known());
+        let here = self.traces.get(&(situation.key(), is_fresh));
+        let ratio = here.and_then(|ratios| ratios[member_idx].known());
         let ratio = ratio.unwrap_or_else(|| OPTIMISM * self.guess(member_idx, &situation.key()));
         ratio * prior::trace_ns(MEMBERS[member_idx], situation, is_fresh)
     }
 
-    /// The ratio of a member in the situation that is most alike, drawn towards 1 with distance.
+    /// The ratio of a member in the situation that is most alike, drawn with distance towards what
+    /// members have in common here.
     fn guess(&self, member_idx: usize, key: &SituationKey) -> f32 {
+        let common = self.common_ratio(key);
         let known = self.traces.iter().filter_map(|((other, _), ratios)| {
             Some((key.distance(other)?, ratios[member_idx].known()?))
         });
         let nearest = known.min_by_key(|&(distance, _)| distance);
-        nearest.map_or(1.0, |(distance, ratio)| ratio.powf(1.0 / (1 + distance) as f32))
+        nearest.map_or(common, |(distance, ratio)| {
+            common * (ratio / common).powf(1.0 / (1 + distance) as f32)
+        })
+    }
+
+    /// The geometric mean of the ratios that are known in a situation; 1 where none is.
+    fn common_ratio(&self, key: &SituationKey) -> f32 {
+        let here =
+            [true, false].into_iter().filter_map(|is_fresh| self.traces.get(&(*key, is_fresh)));
+        let logarithms = here.flatten().filter_map(|ratio| ratio.known().map(f32::ln));
+        let (sum, count) = logarithms.fold((0.0, 0), |(sum, count), log| (sum + log, count + 1));
+        (sum / count.max(1) as f32).exp()
     }
 
     /// Nanoseconds that a member is expected to take for a commit.
     pub(super) fn commit_ns(&self, member_idx: usize, frame: &Frame) -> f32 {
-        self.commits[member_idx].known().unwrap_or(1.0) * prior::commit_ns(frame)
+        self.commits[member_idx].known().unwrap_or(1.0)
+            * prior::commit_ns(MEMBERS[member_idx], frame)
     }
 
     /// Takes note of what a batch took.
@@ -121,7 +136,8 @@ impl CostModel {
 
     /// Takes note of what a commit took.
     pub(super) fn learn_commit(&mut self, member_idx: usize, frame: &Frame, took_ns: f32) {
-        self.commits[member_idx].learn(took_ns / prior::commit_ns(frame), took_ns);
+        let shipped = prior::commit_ns(MEMBERS[member_idx], frame);
+        self.commits[member_idx].learn(took_ns / shipped, took_ns);
     }
 }
 
@@ -152,6 +168,19 @@ mod tests {
         let other = situation(4096, RayClass::SharedOrigin);
         let expected = OPTIMISM * prior::trace_ns(MEMBERS[0], &other, true);
         assert_eq!(model.trace_ns(0, &other, true), expected, "other rays, other costs");
+    }
+
+    #[test]
+    fn what_is_easy_for_one_is_expected_to_be_so_for_others() {
+        let mut model = CostModel::default();
+        let here = situation(4096, RayClass::SharedOrigin);
+        let shipped = |member_idx: usize| prior::trace_ns(MEMBERS[member_idx], &here, true);
+        learn(&mut model, 0, &here, 0.25 * shipped(0));
+        let expected = model.trace_ns(1, &here, true);
+        assert!((expected / (OPTIMISM * 0.25 * shipped(1)) - 1.0).abs() < 1e-5);
+        learn(&mut model, 1, &here, 2.0 * shipped(1));
+        let known = model.trace_ns(1, &here, true);
+        assert!((known / (2.0 * shipped(1)) - 1.0).abs() < 1e-5, "what was measured counts");
     }
 
     #[test]

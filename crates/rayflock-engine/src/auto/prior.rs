@@ -1,6 +1,5 @@
-//! What each engine takes in a situation, as shipped: fitted to `rayflock bench map` on a server
-//! with two AVX-512 cores; what building a tree takes was lowered since, by about as much as that
-//! became faster.
+//! What each engine takes in a situation, as shipped: fitted to `rayflock bench map` on servers
+//! with two AVX-512 cores.
 //!
 //! Only ratios between engines matter where nothing was measured yet; what the machine at hand
 //! really takes is learnt by the [cost model](super::cost_model).
@@ -59,42 +58,57 @@ pub(super) fn trace_ns(kind: EngineKind, situation: &Situation, is_fresh: bool) 
         + costs.test * rays * prims
 }
 
-/// Nanoseconds of a commit; all engines write the same table.
-pub(super) fn commit_ns(frame: &Frame) -> f32 {
-    10_000.0 + 4.0 * frame.changed_count as f32
+/// Nanoseconds of a commit: some engines write a table then, others when a batch comes.
+pub(super) fn commit_ns(kind: EngineKind, frame: &Frame) -> f32 {
+    let changed = match kind {
+        EngineKind::Brute | EngineKind::Subfields => 4.0,
+        EngineKind::Hierarchy | EngineKind::Bvh | EngineKind::Auto => 0.0,
+    };
+    10_000.0 + changed * frame.changed_count as f32
 }
 
 fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
-    use RayClass::{Ordered, SharedDirection, SharedOrigin, Unordered};
+    use RayClass::{Ordered, SharedDirection, SharedOrigin, SharedOriginImage, Unordered};
     match (kind, class) {
         (EngineKind::Brute, _) => Coefficients { fixed: 5_000.0, test: 0.2, ..NOTHING },
+        (EngineKind::Bvh, SharedOriginImage) => {
+            Coefficients { fixed: 80_000.0, fresh_prim: 13.5, ray_level: 6.5, ..NOTHING }
+        }
         (EngineKind::Bvh, SharedOrigin | SharedDirection) => {
-            Coefficients { fixed: 80_000.0, fresh_prim: 15.0, ray_level: 6.0, ..NOTHING }
+            Coefficients { fixed: 80_000.0, fresh_prim: 13.5, ray_level: 7.0, ..NOTHING }
         }
         (EngineKind::Bvh, Ordered) => {
-            Coefficients { fixed: 80_000.0, fresh_prim: 15.0, ray_level: 9.0, ..NOTHING }
+            Coefficients { fixed: 80_000.0, fresh_prim: 13.5, ray_level: 9.0, ..NOTHING }
         }
         (EngineKind::Bvh, Unordered) => Coefficients {
             fixed: 50_000.0,
-            fresh_prim: 12.0,
+            fresh_prim: 13.5,
             ray: 10.0,
             ray_level: 23.0,
             ..NOTHING
         },
+        (EngineKind::Hierarchy, SharedOriginImage) => Coefficients {
+            fixed: 250_000.0,
+            prim: 2.8,
+            near_prim: 9.0,
+            ray: 10.0,
+            ray_level: 4.0,
+            ..NOTHING
+        },
         (EngineKind::Hierarchy, SharedOrigin) => Coefficients {
-            fixed: 60_000.0,
-            prim: 2.0,
-            near_prim: 25.0,
-            ray: 1.0,
-            ray_level: 3.4,
+            fixed: 600_000.0,
+            prim: 9.1,
+            near_prim: 42.0,
+            ray: 10.0,
+            ray_level: 2.0,
             ..NOTHING
         },
         (EngineKind::Hierarchy, SharedDirection) => Coefficients {
-            fixed: 80_000.0,
-            prim: 2.0,
-            near_prim: 27.0,
-            ray: 1.0,
-            ray_level: 5.5,
+            fixed: 500_000.0,
+            prim: 5.8,
+            near_prim: 25.0,
+            ray: 20.0,
+            ray_level: 1.5,
             ..NOTHING
         },
         (EngineKind::Hierarchy, Ordered | Unordered) => {
@@ -108,7 +122,7 @@ fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
             ..NOTHING
         },
         // A subfield for each of many directions never pays.
-        (EngineKind::Subfields, SharedOrigin | Ordered | Unordered) => {
+        (EngineKind::Subfields, SharedOriginImage | SharedOrigin | Ordered | Unordered) => {
             Coefficients { fixed: NEVER, ..NOTHING }
         }
         (EngineKind::Auto, _) => NOTHING,

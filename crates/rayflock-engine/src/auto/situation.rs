@@ -9,6 +9,8 @@ use crate::packet::Question;
 /// What the rays of a batch share, as far as the batch tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum RayClass {
+    /// All start at one point, through the pixels of an image.
+    SharedOriginImage,
     /// All start at one point.
     SharedOrigin,
     /// All go one way.
@@ -22,7 +24,10 @@ pub enum RayClass {
 impl RayClass {
     fn of(rays: &RayBatch<'_>) -> Self {
         if rays.origin().uniform().is_some() {
-            Self::SharedOrigin
+            match rays.order() {
+                RayOrder::Image { .. } => Self::SharedOriginImage,
+                _ => Self::SharedOrigin,
+            }
         } else if rays.direction().uniform().is_some() {
             Self::SharedDirection
         } else {
@@ -37,6 +42,7 @@ impl RayClass {
 impl fmt::Display for RayClass {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::SharedOriginImage => "of an image from one point",
             Self::SharedOrigin => "from one point",
             Self::SharedDirection => "in one direction",
             Self::Ordered => "with close neighbours",
