@@ -52,7 +52,7 @@ impl Effort {
     /// What an impression needs.
     pub const QUICK: Self = Self {
         settling_rounds: 8,
-        settling_time: Duration::from_millis(150),
+        settling_time: Duration::from_millis(500),
         min_rounds: 4,
         usual_rounds: 8,
         max_rounds: 200,
