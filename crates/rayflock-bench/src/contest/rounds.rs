@@ -79,26 +79,30 @@ impl Rounds<'_> {
     }
 
     /// Rounds that do not count. Each goes over all frames, so that the first one is news to the
-    /// first round that does.
+    /// first round that does. Each engine has time of its own, so that slow ones keep no other from
+    /// settling.
     fn settle(
         &self,
         contestants: &mut [&mut Contestant],
         answers: &mut Answers,
     ) -> Result<(), Stopped> {
-        let start = Instant::now();
-        let mut round_count = 0;
-        while round_count < self.effort.settling_rounds
-            && start.elapsed() < self.effort.settling_time
-        {
+        let mut spent = vec![Duration::ZERO; contestants.len()];
+        for _ in (0..self.effort.settling_rounds).step_by(self.phase.frames.len()) {
+            let settles: Vec<_> =
+                spent.iter().map(|spent| *spent < self.effort.settling_time).collect();
             for frame in &self.phase.frames {
-                for contestant in contestants.iter_mut().filter(|contestant| contestant.is_in()) {
+                let turns = contestants.iter_mut().zip(&mut spent).zip(&settles);
+                for ((contestant, spent), settles) in turns {
                     if (self.is_stopped)() {
                         return Err(Stopped);
                     }
-                    self.take_turn(contestant, frame, answers);
+                    if *settles && contestant.is_in() {
+                        let start = Instant::now();
+                        self.take_turn(contestant, frame, answers);
+                        *spent += start.elapsed();
+                    }
                 }
             }
-            round_count += self.phase.frames.len();
         }
         for contestant in contestants.iter_mut() {
             if let Some(phase) = contestant.phases.last_mut() {
