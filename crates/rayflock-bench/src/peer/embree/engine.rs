@@ -201,9 +201,11 @@ fn name(setting: Setting) -> String {
     format!("embree:{setting}")
 }
 
-/// Starts Embree with as many threads as ours, none of them bound to a core.
+/// Starts Embree with as many threads as ours, none of them bound to a core. Threads start when
+/// they are first wanted: if all are to be there at once, Embree 4.4.0 waits for them whenever a
+/// device goes, and now and then one never comes.
 fn start(library: &EmbreeLibrary, thread_count: usize) -> Result<Arc<Device>, String> {
-    let config = format!("threads={thread_count},start_threads=1,set_affinity=0,hugepages=1");
+    let config = format!("threads={thread_count},set_affinity=0,hugepages=1");
     let config = CString::new(config).map_err(|error| error.to_string())?;
     Device::new(library.functions(), &config).map(Arc::new)
 }
