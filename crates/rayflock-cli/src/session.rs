@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Context;
-use rayflock::engine::{CommitStats, Fact};
+use rayflock::engine::{CommitStats, Fact, count_ignored};
 #[cfg(feature = "bench")]
 use rayflock::render::View;
 use rayflock::render::{Film, FrameRenderer, FrameStats};
@@ -122,6 +122,7 @@ impl Session {
             allocations: update_allocations.zip(render_allocations).map(|(a, b)| a + b),
             memory_bytes: self.renderer.memory_usage() as u64,
             device: DeviceRecord::new(&self.renderer.budget()),
+            ignored: count_ignored(&scene_frame.geometry).count() as u64,
         };
         let record = record((frame, time), &times, &commit, &stats, held);
         #[cfg(feature = "bench")]
@@ -152,11 +153,12 @@ struct Times {
     total_ms: f64,
 }
 
-/// What a frame took from the heap and of a device.
+/// What a frame took from the heap and of a device, and what of it did not count.
 struct Held {
     allocations: Option<u64>,
     memory_bytes: u64,
     device: Option<DeviceRecord>,
+    ignored: u64,
 }
 
 fn record(
@@ -199,7 +201,7 @@ fn record(
         pairs: stats.trace.pairs,
         bytes: stats.trace.bytes,
         allocations: held.allocations,
-        ignored: (commit.non_finite_count + commit.degenerate_count) as u64,
+        ignored: held.ignored,
         memory_bytes: held.memory_bytes,
         device: held.device,
     }

@@ -76,7 +76,9 @@ impl RayEngine for BruteEngine {
         geometry: &Geometry,
         changes: &FrameChanges,
     ) -> Result<CommitStats, EngineError> {
-        Ok(self.table.commit(geometry, changes))
+        let stats = self.table.commit(geometry, changes);
+        self.table.write_triangles();
+        Ok(stats)
     }
 
     fn closest_hit(&mut self, rays: &RayBatch<'_>, hits: &mut Hits<'_>) -> TraceStats {

@@ -106,8 +106,7 @@ impl BvhEngine {
         self.fresh_is_built = false;
         let change = self.parts.divide(self.table.geometry(), self.table.spans());
         if change == KeptChange::Build || self.kept.order.holds() {
-            let places = self.parts.places();
-            self.wanted.list(self.table.spans(), |idx| places[idx] == Place::Kept);
+            self.list_wanted(|place| place == Place::Kept);
             self.builder.build(self.config.simd, &self.table, &self.wanted, &mut self.kept);
         }
     }
@@ -118,11 +117,17 @@ impl BvhEngine {
         if !self.fresh_is_built {
             let _span = debug_span!("build_tree").entered();
             self.fresh_is_built = true;
-            let places = self.parts.places();
-            self.wanted.list(self.table.spans(), |idx| places[idx] != Place::Kept);
+            self.list_wanted(|place| place != Place::Kept);
             self.builder.build(self.config.simd, &self.table, &self.wanted, &mut self.fresh);
         }
         start.elapsed().as_nanos() as u64
+    }
+
+    /// Lists the primitives of objects by where they are, without those that no ray sees.
+    fn list_wanted(&mut self, is_chosen: impl Fn(Place) -> bool) {
+        let (places, objects) = (self.parts.places(), self.table.geometry().objects());
+        let is_wanted = |idx: usize| is_chosen(places[idx]) && objects[idx].mask != 0;
+        self.wanted.list(self.table.spans(), is_wanted);
     }
 
     /// The box around everything in the trees.

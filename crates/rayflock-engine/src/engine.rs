@@ -172,16 +172,13 @@ fn engine_names() -> String {
     EngineKind::ALL.map(EngineKind::name).join(", ")
 }
 
-/// What a commit found and did.
+/// What a commit found and did. What is ignored is counted by
+/// [`count_ignored`](crate::count_ignored), not by engines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CommitStats {
     /// Primitives in the frame.
     pub prim_count: usize,
-    /// Primitives ignored because a coordinate is not finite.
-    pub non_finite_count: usize,
-    /// Primitives ignored because they have no area or a radius that is not positive.
-    pub degenerate_count: usize,
-    /// Primitives whose data had to be written anew.
+    /// Primitives of the objects that changed, whose data have to be written anew.
     pub rewritten_count: usize,
     /// Nanoseconds spent on bringing geometry into the layout of a foreign library, which its own
     /// users would not spend. Benchmarks subtract it; engines of this crate leave it 0.

@@ -75,6 +75,8 @@ pub struct HierarchyEngine {
     points: PointTracer,
     /// Whether the last batch was traced as points of faces, not by the tree.
     on_faces: bool,
+    /// Whether a batch of this frame was.
+    has_streamed: bool,
     /// Nearest hits in the order of the arrangement.
     nearest: Vec<Nearest>,
     /// Lists and packets of tasks that are not running.
@@ -96,6 +98,10 @@ impl HierarchyEngine {
         t_bounds: Option<&[f32]>,
     ) -> TraceStats {
         let _span = tracing::debug_span!("trace_points").entered();
+        // One batch passes triangles where they lie; for more it pays to write them down.
+        if std::mem::replace(&mut self.has_streamed, true) {
+            self.table.write_triangles();
+        }
         let work =
             PointWork { simd: self.config.simd, table: &self.table, rays, question, t_bounds };
         let traced = self.points.trace(&work);
@@ -140,6 +146,7 @@ impl RayEngine for HierarchyEngine {
         geometry: &Geometry,
         changes: &FrameChanges,
     ) -> Result<CommitStats, EngineError> {
+        self.has_streamed = false;
         Ok(self.table.commit(geometry, changes))
     }
 

@@ -60,6 +60,7 @@ pub use budget::{Budget, Clock, HeldBytes, StageTime};
 pub use engine::{CommitStats, EngineError, EngineKind, Fact, RayEngine, TraceStats};
 pub use hit_list::{HitList, list_hits};
 pub use normals::{HitColumns, hit_normals};
+pub use primitives::{Ignored, count_ignored};
 
 /// Makes an engine with its default settings and an empty frame.
 pub fn create(kind: EngineKind) -> Box<dyn RayEngine> {

@@ -9,21 +9,23 @@
 //! it decides between equally near hits and leads back to the ids.
 //!
 //! A commit plans what has to be written (`plan`), then writes ranks where the layout differs from
-//! the frame before (`write_ranks`), corners and masks of triangles (`write_triangles`), and the
-//! rest (`write_others`). Bounding spheres of triangles and blocks are written when an engine asks
-//! for them (`write_bounds`).
+//! the frame before (`write_ranks`), and all but triangles (`write_others`). Corners and masks of
+//! triangles are written when an engine asks for them (`write_triangles`), bounding spheres of
+//! triangles and blocks too (`write_bounds`). Who looks at each triangle just once reads them from
+//! their meshes instead (`read_triangles`): writing them down costs more than that.
 //!
 //! **Invariants.** A bounding sphere holds every point at which its primitive can be hit. A
 //! primitive that is ignored has mask 0 and a bounding sphere that nothing touches, so ids stay
 //! what they are; so does padding. What stands in the columns depends on the committed geometry
-//! alone, bounds once they are written.
+//! alone, triangles and bounds once they are written.
 //!
-//! **Cost.** One pass over the primitives of the objects that changed, one more for their bounds;
-//! 61 bytes a triangle, 41 a sphere.
+//! **Cost.** A commit costs by the object and by the sphere. One pass over the triangles of the
+//! objects that changed writes them, one more their bounds; 61 bytes a triangle, 41 a sphere.
 
 mod ignored;
 mod plan;
 mod rank_table;
+mod read_triangles;
 mod span;
 mod table;
 mod write_bounds;
@@ -31,7 +33,9 @@ mod write_others;
 mod write_ranks;
 mod write_triangles;
 
+pub use ignored::{Ignored, count_ignored};
 pub(crate) use rank_table::RankedObject;
+pub(crate) use read_triangles::{BLOCKS_PER_READ, BlockReader};
 pub(crate) use span::ObjectSpan;
 pub(crate) use table::{PrimitiveTable, SPHERE_BYTES, SlotKind, TRIANGLE_BYTES};
 

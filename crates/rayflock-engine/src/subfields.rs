@@ -158,6 +158,7 @@ impl RayEngine for SubfieldsEngine {
         changes: &FrameChanges,
     ) -> Result<CommitStats, EngineError> {
         let stats = self.table.commit(geometry, changes);
+        self.table.write_triangles();
         let change = self.parts.divide(self.table.geometry(), self.table.spans());
         self.nests.choose(&self.config, self.table.geometry(), self.table.spans());
         self.list_contents(change);

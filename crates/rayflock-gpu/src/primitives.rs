@@ -38,13 +38,11 @@ pub(crate) struct PrimitiveStore {
     parts: Vec<GrowingBuffer>,
 }
 
-/// The ranks of one object, and what of it is ignored.
+/// The ranks of one object.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Span {
     object_id: ObjectId,
     ranks: Range<usize>,
-    non_finite_count: usize,
-    degenerate_count: usize,
 }
 
 /// Primitives that one binding holds.
@@ -92,8 +90,6 @@ impl PrimitiveStore {
                 stats.rewritten_count += self.write_object(idx, object);
                 self.send(context, self.spans[idx].ranks.clone());
             }
-            stats.non_finite_count += self.spans[idx].non_finite_count;
-            stats.degenerate_count += self.spans[idx].degenerate_count;
         }
         self.geometry = geometry.clone();
         Ok(stats)
@@ -149,11 +145,10 @@ impl PrimitiveStore {
             let begin = end;
             end += object.shape.prim_count();
             let (object_id, ranks) = (object.id, begin..end);
-            Span { object_id, ranks, non_finite_count: 0, degenerate_count: 0 }
+            Span { object_id, ranks }
         });
         let spans: Vec<_> = spans.collect();
-        let place = |span: &Span| (span.object_id, span.ranks.clone());
-        let is_same = self.spans.iter().map(place).eq(spans.iter().map(place));
+        let is_same = self.spans == spans;
         if !is_same {
             self.spans = spans;
             self.prims.resize(end, DevicePrimitive::default());
@@ -175,18 +170,13 @@ impl PrimitiveStore {
         let ranks = self.spans[idx].ranks.clone();
         let (first_rank, triangle_count) = (ranks.start, object.shape.triangles().len());
         let prims = self.prims[ranks.clone()].par_iter_mut().enumerate();
-        let ignored = prims.with_min_len(PRIMS_PER_TASK).map(|(prim_idx, prim)| {
-            let (written, ignored) = match prim_idx.checked_sub(triangle_count) {
+        prims.with_min_len(PRIMS_PER_TASK).for_each(|(prim_idx, prim)| {
+            let written = match prim_idx.checked_sub(triangle_count) {
                 None => triangle(object, prim_idx),
                 Some(sphere_idx) => sphere(object, sphere_idx),
             };
             *prim = DevicePrimitive { rank: (first_rank + prim_idx) as u32, ..written };
-            ignored
         });
-        let none = || (0, 0);
-        let (non_finite, degenerate) = ignored.reduce(none, |a, b| (a.0 + b.0, a.1 + b.1));
-        self.spans[idx].non_finite_count = non_finite;
-        self.spans[idx].degenerate_count = degenerate;
         ranks.len()
     }
 
@@ -206,31 +196,26 @@ impl PrimitiveStore {
     }
 }
 
-/// A primitive that no ray sees, and why: not finite, or degenerate.
-fn ignored(is_finite: bool) -> (DevicePrimitive, (usize, usize)) {
-    (DevicePrimitive::default(), (usize::from(!is_finite), usize::from(is_finite)))
-}
-
-fn triangle(object: &GeometryObject, triangle_idx: usize) -> (DevicePrimitive, (usize, usize)) {
+/// A triangle; a degenerate one is such that no ray sees it.
+fn triangle(object: &GeometryObject, triangle_idx: usize) -> DevicePrimitive {
     let corners = object.shape.corners(triangle_idx);
     let placed = |transform| corners.map(|corner| transform_point(transform, corner));
     let corners = object.world_from_object.as_ref().map_or(corners, placed);
     if is_degenerate_triangle(corners) {
-        return ignored(corners.iter().all(|corner| corner.is_finite()));
+        return DevicePrimitive::default();
     }
     let [a, b, c] = corners.map(|corner| corner.to_array());
-    (DevicePrimitive { a, mask: object.mask, b, kind: TRIANGLE, c, rank: 0 }, (0, 0))
+    DevicePrimitive { a, mask: object.mask, b, kind: TRIANGLE, c, rank: 0 }
 }
 
-fn sphere(object: &GeometryObject, sphere_idx: usize) -> (DevicePrimitive, (usize, usize)) {
+/// A sphere; one that is not valid is such that no ray sees it.
+fn sphere(object: &GeometryObject, sphere_idx: usize) -> DevicePrimitive {
     let sphere = object.shape.spheres()[sphere_idx];
     let placed = |transform| transform_sphere(transform, &sphere);
     let sphere = object.world_from_object.as_ref().map_or(sphere, placed);
     if !sphere.is_valid() {
-        return ignored(sphere.center.is_finite() && sphere.radius.is_finite());
+        return DevicePrimitive::default();
     }
     let (a, b) = (sphere.center.to_array(), [sphere.radius, 0.0, 0.0]);
-    let prim =
-        DevicePrimitive { a, mask: object.mask, b, kind: SPHERE, ..DevicePrimitive::default() };
-    (prim, (0, 0))
+    DevicePrimitive { a, mask: object.mask, b, kind: SPHERE, ..DevicePrimitive::default() }
 }

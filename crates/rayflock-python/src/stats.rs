@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayflock::engine::CommitStats;
+use rayflock::engine::Ignored;
 
 use crate::errors::Failure;
 use crate::world::{Asked, Member, World};
@@ -14,7 +14,7 @@ pub(crate) struct SceneStats {
     spheres: usize,
     engine: &'static str,
     memory: usize,
-    commit: CommitStats,
+    ignored: Ignored,
     commit_seconds: f64,
     asked: Option<Asked>,
 }
@@ -28,11 +28,12 @@ impl SceneStats {
             shapes().map(|shape| shape.triangles().len()).sum(),
             shapes().map(|shape| shape.spheres().len()).sum(),
         );
+        let ignored = world.count_ignored()?;
         let member: &Member = world.current_member()?;
-        let (commit, commit_seconds) = (member.commit, member.commit_seconds);
+        let commit_seconds = member.commit_seconds;
         let (engine, memory) = (member.kind.name(), member.engine.memory_usage());
         let asked = member.asked;
-        Ok(Self { objects, triangles, spheres, engine, memory, commit, commit_seconds, asked })
+        Ok(Self { objects, triangles, spheres, engine, memory, ignored, commit_seconds, asked })
     }
 
     /// The numbers under the names of the fields of the Python class `Stats`.
@@ -41,8 +42,8 @@ impl SceneStats {
         dict.set_item("objects", self.objects)?;
         dict.set_item("triangles", self.triangles)?;
         dict.set_item("spheres", self.spheres)?;
-        dict.set_item("non_finite", self.commit.non_finite_count)?;
-        dict.set_item("degenerate", self.commit.degenerate_count)?;
+        dict.set_item("non_finite", self.ignored.non_finite)?;
+        dict.set_item("degenerate", self.ignored.degenerate)?;
         dict.set_item("engine_bytes", self.memory)?;
         dict.set_item("update_seconds", self.commit_seconds)?;
         let asked = self.asked.as_ref();

@@ -8,7 +8,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use rayflock::engine::auto::Choice;
-use rayflock::engine::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats, create};
+use rayflock::engine::{
+    EngineError, EngineKind, Ignored, RayEngine, TraceStats, count_ignored, create,
+};
 use rayflock::geom::{Aabb, FrameChanges, Geometry, GeometryObject, Mesh, ObjectId};
 
 use crate::errors::Failure;
@@ -59,7 +61,6 @@ pub(crate) struct Member {
     pub(crate) engine: Box<dyn RayEngine>,
     geometry: Geometry,
     version: Option<u64>,
-    pub(crate) commit: CommitStats,
     pub(crate) commit_seconds: f64,
     /// What it was asked last.
     pub(crate) asked: Option<Asked>,
@@ -256,6 +257,13 @@ impl World {
         Ok(member)
     }
 
+    /// Which primitives no ray hits, because of what they are.
+    pub(crate) fn count_ignored(&mut self) -> Result<Ignored, Failure> {
+        let pool = pool::with_threads(self.threads)?;
+        let geometry = self.geometry()?;
+        Ok(pool.install(|| count_ignored(&geometry)))
+    }
+
     fn member(&mut self, kind: EngineKind) -> &mut Member {
         self.asked_last = Some(kind);
         self.members.entry(kind).or_insert_with(|| Member::new(kind))
@@ -286,7 +294,6 @@ impl Member {
             engine: create(kind),
             geometry: Geometry::default(),
             version: None,
-            commit: CommitStats::default(),
             commit_seconds: 0.0,
             asked: None,
         }
@@ -302,7 +309,7 @@ impl Member {
             Some(_) => FrameChanges::between(&self.geometry, geometry),
             None => FrameChanges::all(),
         };
-        self.commit = self.engine.commit(geometry, &changes)?;
+        self.engine.commit(geometry, &changes)?;
         self.commit_seconds = start.elapsed().as_secs_f64();
         self.geometry = geometry.clone();
         self.version = Some(version);

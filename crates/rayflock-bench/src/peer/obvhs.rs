@@ -70,25 +70,19 @@ impl ObvhsEngine {
         self.triangles.clear();
         self.ids.clear();
         let prim_count = geometry.prim_count();
-        let mut stats =
-            CommitStats { prim_count, rewritten_count: prim_count, ..Default::default() };
         for object in geometry.objects() {
             for triangle_idx in 0..object.shape.triangles().len() {
                 let corners = object.shape.corners(triangle_idx);
                 let place = |m| corners.map(|corner| transform_point(m, corner));
                 let corners = object.world_from_object.as_ref().map_or(corners, place);
-                if is_degenerate_triangle(corners) {
-                    let is_finite = corners.iter().all(|corner| corner.is_finite());
-                    stats.non_finite_count += usize::from(!is_finite);
-                    stats.degenerate_count += usize::from(is_finite);
-                } else {
+                if !is_degenerate_triangle(corners) {
                     let [v0, v1, v2] = corners.map(Vec3A::from);
                     self.triangles.push(Triangle { v0, v1, v2 });
                     self.ids.push((object.id, PrimId(triangle_idx as u32)));
                 }
             }
         }
-        stats
+        CommitStats { prim_count, rewritten_count: prim_count, ..CommitStats::default() }
     }
 
     fn build(&mut self) {

@@ -1,11 +1,12 @@
 //! Builds a tree over some primitives: leaves in the order of a curve, nodes from the bottom up.
 
+use glam::Vec3;
 use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxBounds};
 use rayflock_geom::simd::triangle_boxes::{
     around_spheres, around_triangles, half_area_around_each,
 };
 use rayflock_geom::simd::triangle_rows::{ROW_COUNT, columns_of_rows};
-use rayflock_geom::simd::{LANES, Simd, SimdLevel, dispatch};
+use rayflock_geom::simd::{LANES, Simd, SimdLevel, SimdMask, dispatch};
 use rayon::prelude::*;
 use tracing::debug_span;
 
@@ -41,7 +42,7 @@ impl TreeBuilder {
         wanted: &Wanted,
         tree: &mut Tree,
     ) {
-        let ordering = tree.order.choose(table, &wanted.triangles);
+        let ordering = tree.order.choose(&wanted.triangles);
         self.order(level, table, wanted, ordering, &mut tree.order);
         self.others.sort(level, table, &wanted.others);
         tree.resize(tree.order.slots.len().div_ceil(LANES), self.others.len().div_ceil(LANES));
@@ -181,6 +182,21 @@ fn write_pair<S: Simd>(simd: S, staged: &StagedTriangles, leaves: &mut [Triangle
         triangles.store(&mut leaf.triangles);
         leaf.masks = staged.masks[idx];
         leaf.ranks = staged.ranks[idx];
+        let solid = triangles.solid(simd);
+        if !solid.all_true() {
+            leave_out(leaf, !solid.to_bitmask());
+        }
+    }
+}
+
+/// Hides those of the triangles of a leaf that are ignored, so that its box is not theirs.
+#[cold]
+fn leave_out(leaf: &mut TriangleLeaf, ignored: u64) {
+    let solid = (0..LANES).find(|lane| ignored & (1 << lane) == 0);
+    let instead = solid.map_or([Vec3::ZERO; 3], |lane| leaf.triangles.get(lane));
+    for lane in (0..LANES).filter(|lane| ignored & (1 << lane) != 0) {
+        leaf.triangles.set(lane, instead);
+        leaf.masks[lane] = 0;
     }
 }
 

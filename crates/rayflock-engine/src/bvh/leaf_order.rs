@@ -18,9 +18,6 @@
 //! Interactive Ray Tracing 2006 (refitting, and rebuilding where the tree has got worse).
 //! **Departures.** What is kept is an order, not a tree.
 
-use rayon::prelude::*;
-
-use crate::primitives::PrimitiveTable;
 use crate::wanted::WantedLanes;
 
 /// An order along a curve is given up when its spread is this many times what it was.
@@ -63,34 +60,13 @@ pub(super) enum Ordering {
 
 impl LeafOrder {
     /// What to do for the `wanted` triangles.
-    pub(super) fn choose(&mut self, table: &PrimitiveTable, wanted: &[WantedLanes]) -> Ordering {
-        if self.pause > 0 || !self.has_exactly(table, wanted) {
+    pub(super) fn choose(&mut self, wanted: &[WantedLanes]) -> Ordering {
+        if self.pause > 0 || self.wanted != wanted {
             self.pause = self.pause.saturating_sub(1);
             return Ordering::Sort;
         }
         self.held_for = self.held_for.saturating_add(1);
         if self.is_worth_improving() { Ordering::Improve } else { Ordering::Keep }
-    }
-
-    /// Whether the order has each of the `wanted` triangles that can be hit, and no other.
-    fn has_exactly(&self, table: &PrimitiveTable, wanted: &[WantedLanes]) -> bool {
-        if self.wanted != wanted {
-            return false;
-        }
-        let has_ignored = table.has_ignored();
-        let hittable = |wanted: &WantedLanes| {
-            let masks = table.masks(wanted.block_idx as usize).iter().enumerate();
-            let lanes = masks.filter(|&(lane, &mask)| mask != 0 && wanted.lanes & (1 << lane) != 0);
-            lanes.count()
-        };
-        let count: usize = if has_ignored {
-            wanted.par_iter().map(hittable).sum()
-        } else {
-            wanted.iter().map(|wanted| wanted.lanes.count_ones() as usize).sum()
-        };
-        // As many, and all of them there: the same ones.
-        count == self.slots.len()
-            && (!has_ignored || self.slots.par_iter().all(|&slot| table.mask(slot) != 0))
     }
 
     /// Takes note of a frame in which nothing was to be built. Returns whether it is time to build
@@ -149,9 +125,6 @@ impl LeafOrder {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-    use rayflock_geom::{FrameChanges, Geometry, GeometryObject, Mesh, ObjectId};
-
     use super::*;
 
     fn lanes(count: u32) -> Vec<WantedLanes> {
@@ -160,11 +133,11 @@ mod tests {
 
     /// What is chosen frame by frame when kept orders have this spread, and new ones 1.
     fn choices(frame_count: usize, kept_spread: f32) -> Vec<Ordering> {
-        let (table, wanted) = (PrimitiveTable::default(), lanes(2));
+        let wanted = lanes(2);
         let mut order = LeafOrder::default();
         let mut choices = Vec::new();
         for _ in 0..frame_count {
-            let choice = order.choose(&table, &wanted);
+            let choice = order.choose(&wanted);
             if choice != Ordering::Keep {
                 order.replace(&wanted, 0..32, choice == Ordering::Improve);
             }
@@ -195,36 +168,9 @@ mod tests {
 
     #[test]
     fn an_order_for_other_triangles_is_not_kept() {
-        let table = PrimitiveTable::default();
         let mut order = LeafOrder::default();
         order.replace(&lanes(2), 0..32, false);
-        assert_eq!(order.choose(&table, &lanes(3)), Ordering::Sort);
-        assert_eq!(order.choose(&table, &lanes(2)), Ordering::Keep);
-    }
-
-    /// A table of 32 triangles of which one has no area.
-    fn table_with_flat(flat: usize) -> PrimitiveTable {
-        let vertices: Vec<Vec3> = (0..96)
-            .map(|idx| {
-                let (triangle, corner) = (idx / 3, idx % 3);
-                let side = if triangle == flat { 0.0 } else { 1.0 };
-                side * [Vec3::ZERO, Vec3::X, Vec3::Y][corner] + triangle as f32 * Vec3::Z
-            })
-            .collect();
-        let triangles: Vec<_> = (0..32).map(|idx| [3 * idx, 3 * idx + 1, 3 * idx + 2]).collect();
-        let mesh = Mesh::from_triangles(vertices, triangles).unwrap();
-        let geometry = Geometry::new(vec![GeometryObject::new(ObjectId(0), mesh)]).unwrap();
-        let mut table = PrimitiveTable::default();
-        assert_eq!(table.commit(&geometry, &FrameChanges::all()).degenerate_count, 1);
-        table
-    }
-
-    #[test]
-    fn an_order_is_kept_while_the_same_triangles_are_ignored() {
-        let mut order = LeafOrder::default();
-        order.replace(&lanes(2), (0..32).filter(|&slot| slot != 3), false);
-        assert_eq!(order.choose(&table_with_flat(3), &lanes(2)), Ordering::Keep);
-        assert_eq!(order.choose(&table_with_flat(4), &lanes(2)), Ordering::Sort);
-        assert_eq!(order.choose(&PrimitiveTable::default(), &lanes(2)), Ordering::Sort);
+        assert_eq!(order.choose(&lanes(3)), Ordering::Sort);
+        assert_eq!(order.choose(&lanes(2)), Ordering::Keep);
     }
 }

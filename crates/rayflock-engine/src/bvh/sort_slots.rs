@@ -12,13 +12,15 @@
 //!
 //! **Departures.** Cells are cubes, as many bits as the number of primitives is worth.
 //!
-//! **Invariants.** Each wanted primitive that can be hit has one entry; no other has.
+//! **Invariants.** Each wanted triangle has one entry, those that are ignored, too; so has each
+//! other wanted primitive that can be hit; nothing else has.
 //!
 //! **Cost.** Two passes over the corners and a sort of 8 bytes a primitive.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use glam::Vec3;
+use rayflock_geom::simd::ray_triangle::TriangleBlock;
 use rayflock_geom::simd::space_curve::{MOST_BITS, hilbert_codes};
 use rayflock_geom::simd::{
     LANES, Select, Simd, SimdBase, SimdLevel, SimdMask, dispatch, f32x16, mask32x16, u32x16,
@@ -26,7 +28,7 @@ use rayflock_geom::simd::{
 use rayon::prelude::*;
 use tracing::debug_span;
 
-use crate::primitives::PrimitiveTable;
+use crate::primitives::{BLOCKS_PER_READ, BlockReader, PrimitiveTable};
 use crate::sort_keyed::KeyedSorter;
 use crate::wanted::WantedLanes;
 
@@ -65,7 +67,7 @@ struct Cells {
 }
 
 impl SlotSorter {
-    /// Sorts what can be hit of the `wanted` primitives. The order is then in [`Self::slot`].
+    /// Sorts the `wanted` primitives, without spheres and the like that cannot be hit. The order is then in [`Self::slot`].
     pub(super) fn sort(
         &mut self,
         level: SimdLevel,
@@ -177,15 +179,15 @@ fn measure_chunk<S: Simd>(simd: S, table: &PrimitiveTable, wanted: &[WantedLanes
     let infinite = f32x16::splat(simd, f32::INFINITY);
     let (mut min, mut max) = ([infinite; 3], [-infinite; 3]);
     let mut len = 0;
-    for wanted in wanted {
-        let there = there(simd, table, wanted);
+    for_each_block(simd, table, wanted, |there, middles, _| {
         len += there.to_bitmask().count_ones() as usize;
-        let middles = middles(simd, table, wanted.block_idx as usize);
+        // What is not finite is somewhere.
+        let counts = there & is_finite(simd, &middles);
         for axis in 0..3 {
-            min[axis] = min[axis].min(there.select(middles[axis], infinite));
-            max[axis] = max[axis].max(there.select(middles[axis], -infinite));
+            min[axis] = min[axis].min(counts.select(middles[axis], infinite));
+            max[axis] = max[axis].max(counts.select(middles[axis], -infinite));
         }
-    }
+    });
     Chunk {
         min: Vec3::new(min[0].reduce_min(), min[1].reduce_min(), min[2].reduce_min()),
         max: Vec3::new(max[0].reduce_max(), max[1].reduce_max(), max[2].reduce_max()),
@@ -204,14 +206,14 @@ fn encode_chunk<S: Simd>(
     let min = cells.min.to_array();
     let density = f32x16::splat(simd, cells.density);
     let mut written = 0;
-    for wanted in wanted {
-        let mut points = middles(simd, table, wanted.block_idx as usize);
+    for_each_block(simd, table, wanted, |there, middles, block_idx| {
+        let mut points = middles;
         for axis in 0..3 {
             points[axis] = (points[axis] - f32x16::splat(simd, min[axis])) * density;
         }
         let codes = *hilbert_codes(simd, points, cells.bits);
-        let mut there = there(simd, table, wanted).to_bitmask();
-        let first_slot = u64::from(wanted.block_idx) * LANES as u64;
+        let mut there = there.to_bitmask();
+        let first_slot = (block_idx * LANES) as u64;
         while there != 0 {
             let lane = there.trailing_zeros();
             there &= there - 1;
@@ -220,23 +222,53 @@ fn encode_chunk<S: Simd>(
             *entries[written].get_mut() = entry;
             written += 1;
         }
+    });
+}
+
+/// Hands over the wanted blocks: which lanes count, the middles of the boxes around their
+/// primitives, and which block it is.
+#[inline(always)]
+fn for_each_block<S: Simd>(
+    simd: S,
+    table: &PrimitiveTable,
+    wanted: &[WantedLanes],
+    mut each: impl FnMut(mask32x16<S>, [f32x16<S>; 3], usize),
+) {
+    let Some(first) = wanted.first() else { return };
+    let mut reader = BlockReader::new(table, first.block_idx as usize);
+    let mut rest = wanted;
+    while let [first, ..] = rest {
+        let block_idx = first.block_idx as usize;
+        let lanes = |wanted: &WantedLanes| mask32x16::from_bitmask(simd, wanted.lanes.into());
+        if block_idx >= table.triangle_block_count() {
+            let masks = u32x16::from_slice(simd, table.masks(block_idx));
+            let there = lanes(first) & !masks.simd_eq(u32x16::splat(simd, 0));
+            each(there, table.bounds(block_idx).load(simd).center, block_idx);
+            rest = &rest[1..];
+            continue;
+        }
+        let is_next =
+            |&(idx, next): &(usize, &WantedLanes)| next.block_idx as usize == block_idx + idx;
+        let count = rest.iter().take(BLOCKS_PER_READ).enumerate().take_while(is_next).count();
+        let read = reader.read(simd, block_idx..block_idx + count);
+        for ((idx, wanted), triangles) in rest[..count].iter().enumerate().zip(read.corners) {
+            each(lanes(wanted), triangle_middles(simd, triangles), block_idx + idx);
+        }
+        rest = &rest[count..];
     }
 }
 
-/// The wanted lanes that can be hit.
+/// Where no coordinate is NaN or infinite.
 #[inline(always)]
-fn there<S: Simd>(simd: S, table: &PrimitiveTable, wanted: &WantedLanes) -> mask32x16<S> {
-    let masks = u32x16::from_slice(simd, table.masks(wanted.block_idx as usize));
-    !masks.simd_eq(u32x16::splat(simd, 0)) & mask32x16::from_bitmask(simd, wanted.lanes.into())
+fn is_finite<S: Simd>(simd: S, [x, y, z]: &[f32x16<S>; 3]) -> mask32x16<S> {
+    let most = f32x16::splat(simd, f32::MAX);
+    x.abs().simd_le(most) & y.abs().simd_le(most) & z.abs().simd_le(most)
 }
 
-/// The middles of the boxes around a block's primitives.
+/// The middles of the boxes around triangles.
 #[inline(always)]
-fn middles<S: Simd>(simd: S, table: &PrimitiveTable, block_idx: usize) -> [f32x16<S>; 3] {
-    if block_idx >= table.triangle_block_count() {
-        return table.bounds(block_idx).load(simd).center;
-    }
-    let [a, b, c] = &table.triangle_block(block_idx).corners;
+fn triangle_middles<S: Simd>(simd: S, triangles: &TriangleBlock) -> [f32x16<S>; 3] {
+    let [a, b, c] = &triangles.corners;
     [
         middle(simd, &a[0], &b[0], &c[0]),
         middle(simd, &a[1], &b[1], &c[1]),

@@ -32,9 +32,11 @@ struct Boxed {
 }
 
 impl Boxed {
-    /// The triangle in a slot.
+    /// The triangle in a slot; one that is not finite is somewhere.
     fn new(table: &PrimitiveTable, slot: u32) -> Self {
-        let [a, b, c] = table.triangle(slot);
+        let (corners, _) = table.read_triangle(slot);
+        let is_finite = corners.iter().all(|corner| corner.is_finite());
+        let [a, b, c] = if is_finite { corners } else { [Vec3::ZERO; 3] };
         Self { min: a.min(b).min(c), max: a.max(b).max(c), slot }
     }
 }

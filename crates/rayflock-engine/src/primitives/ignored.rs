@@ -1,26 +1,28 @@
-//! Counts of primitives that are left out.
+//! Primitives that are left out: how many, and why.
 
 use std::ops::{Add, AddAssign};
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::Vec3;
-use rayflock_geom::Sphere;
+use rayflock_geom::simd::SimdLevel;
+use rayflock_geom::{FrameChanges, Geometry, Sphere};
 
-/// Primitives that were left out, and why.
+use super::table::PrimitiveTable;
+
+/// Primitives of a geometry that no ray hits, and why.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Ignored {
-    pub(super) non_finite: usize,
-    pub(super) degenerate: usize,
-}
-
-/// Counts to which tasks add in any order.
-#[derive(Debug, Default)]
-pub(super) struct IgnoredCounter {
-    non_finite: AtomicUsize,
-    degenerate: AtomicUsize,
+pub struct Ignored {
+    /// A coordinate of theirs is not finite.
+    pub non_finite: usize,
+    /// They have no area, or a radius that is not positive.
+    pub degenerate: usize,
 }
 
 impl Ignored {
+    /// All of them.
+    pub const fn count(&self) -> usize {
+        self.non_finite + self.degenerate
+    }
+
     /// A triangle that is ignored.
     pub(super) fn of_triangle(corners: [Vec3; 3]) -> Self {
         Self::one(corners.iter().all(|corner| corner.is_finite()))
@@ -33,24 +35,6 @@ impl Ignored {
 
     fn one(finite: bool) -> Self {
         Self { non_finite: usize::from(!finite), degenerate: usize::from(finite) }
-    }
-}
-
-impl IgnoredCounter {
-    /// Adds to the counts; most often there is nothing to add.
-    pub(super) fn add(&self, ignored: Ignored) {
-        if ignored != Ignored::default() {
-            self.non_finite.fetch_add(ignored.non_finite, Ordering::Relaxed);
-            self.degenerate.fetch_add(ignored.degenerate, Ordering::Relaxed);
-        }
-    }
-
-    /// What was counted.
-    pub(super) fn get(&self) -> Ignored {
-        Ignored {
-            non_finite: self.non_finite.load(Ordering::Relaxed),
-            degenerate: self.degenerate.load(Ordering::Relaxed),
-        }
     }
 }
 
@@ -69,4 +53,13 @@ impl AddAssign for Ignored {
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
+}
+
+/// Counts the primitives that engines ignore: they keep their ids, but no ray hits them.
+///
+/// **Cost.** One pass over the primitives, in parallel; engines do not look at all of them.
+pub fn count_ignored(geometry: &Geometry) -> Ignored {
+    let mut table = PrimitiveTable::new(SimdLevel::best());
+    table.commit(geometry, &FrameChanges::all());
+    table.count_ignored()
 }

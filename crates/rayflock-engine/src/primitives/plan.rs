@@ -1,12 +1,13 @@
-//! Plans what a commit has to write for each object.
+//! Plans what has to be written for each object.
+
+use std::sync::atomic::AtomicBool;
 
 use rayflock_geom::{FrameChanges, Geometry, ObjectChange};
 
-use super::ignored::{Ignored, IgnoredCounter};
 use super::table::PrimitiveTable;
 
 /// What has to be written for an object.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Work {
     /// It stands as it is.
     Nothing,
@@ -17,8 +18,8 @@ pub(super) enum Work {
 }
 
 impl PrimitiveTable {
-    /// Plans the work for all objects of `geometry`, while the frame before is still the table's;
-    /// begins to count anew what is ignored of those that change.
+    /// Plans the work for all objects of `geometry`, while the frame before is still the table's,
+    /// and adds it to what is still to be done for triangles.
     ///
     /// An object is taken as it was only when `changes` says so *and* it shares its mesh,
     /// transform and mask with the frame before: meshes are immutable, so a wrong hint does no
@@ -33,26 +34,26 @@ impl PrimitiveTable {
         if layout_differs {
             self.plan.clear();
             self.plan.resize(objects.len(), Work::CornersAndMasks);
-            self.ignored.clear();
-            self.ignored.resize_with(objects.len(), IgnoredCounter::default);
+            self.pending.clone_from(&self.plan);
+            self.leaves_out.clear();
+            self.leaves_out.resize_with(objects.len(), AtomicBool::default);
             return;
         }
         // The same layout means the same objects in the same order.
         let pairs = self.geometry.objects().iter().zip(objects);
-        for ((before, object), (work, ignored)) in
-            pairs.zip(self.plan.iter_mut().zip(&mut self.ignored))
+        let works = self.plan.iter_mut().zip(&mut self.pending);
+        for ((before, object), ((work, pending), leaves_out)) in
+            pairs.zip(works.zip(&mut self.leaves_out))
         {
             let claimed = changes.get(object.id) == ObjectChange::Unchanged;
             *work = if claimed && object.is_same(before) {
                 Work::Nothing
-            } else if before.mask == object.mask && ignored.get() == Ignored::default() {
+            } else if before.mask == object.mask && !*leaves_out.get_mut() {
                 Work::Corners
             } else {
                 Work::CornersAndMasks
             };
-            if *work != Work::Nothing {
-                *ignored = IgnoredCounter::default();
-            }
+            *pending = (*work).max(*pending);
         }
     }
 }

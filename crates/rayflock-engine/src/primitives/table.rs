@@ -1,6 +1,7 @@
 //! The table of primitives, kept from frame to frame.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::Vec3;
 use rayflock_geom::simd::cone_sphere::{SLACK, SphereBlock};
@@ -9,7 +10,7 @@ use rayflock_geom::simd::{LANES, Lanes, SimdLevel};
 use rayflock_geom::{FrameChanges, Geometry, RayTransform, Sphere, UserPrimitives};
 use tracing::debug_span;
 
-use super::ignored::{Ignored, IgnoredCounter};
+use super::ignored::Ignored;
 use super::plan::Work;
 use super::rank_table::{RankTable, RankedObject};
 use super::span::{Layout, ObjectSpan};
@@ -30,9 +31,14 @@ pub(crate) struct PrimitiveTable {
     pub(super) rank_table: RankTable,
     /// One for each object: what this commit has to write.
     pub(super) plan: Vec<Work>,
-    /// One for each object: what its last writing ignored.
-    pub(super) ignored: Vec<IgnoredCounter>,
-    /// Corners of the triangle slots.
+    /// One for each object: what is to be written of its triangles until they are those of the
+    /// committed frame.
+    pub(super) pending: Vec<Work>,
+    /// One for each object: whether some of its triangles were left out when they were written.
+    pub(super) leaves_out: Vec<AtomicBool>,
+    /// One for each object: which of its other primitives are ignored.
+    pub(super) others_ignored: Vec<Ignored>,
+    /// Corners of the triangle slots; may be stale, or not there yet.
     pub(super) corners: Vec<TriangleBlock>,
     /// Spheres, from slot `layout.begin.spheres` on.
     pub(super) spheres: Vec<Sphere>,
@@ -47,7 +53,7 @@ pub(crate) struct PrimitiveTable {
     pub(super) bounds_are_stale: bool,
     /// Ranks of all slots.
     pub(super) ranks: Vec<[u32; LANES]>,
-    /// Object masks of all slots; 0 where there is nothing to hit.
+    /// Object masks of all slots; 0 where there is nothing to hit. Those of triangles may be stale.
     pub(super) masks: Vec<[u32; LANES]>,
     slack: f32,
 }
@@ -78,7 +84,8 @@ impl PrimitiveTable {
         Self { simd, ..Self::default() }
     }
 
-    /// Takes over a frame, writing the primitives of objects that differ from the frame before.
+    /// Takes over a frame, writing all but the triangles of objects that differ from the frame
+    /// before.
     pub(crate) fn commit(&mut self, geometry: &Geometry, changes: &FrameChanges) -> CommitStats {
         let _span = debug_span!("commit").entered();
         let layout_differs = self.layout.assign(geometry);
@@ -88,7 +95,6 @@ impl PrimitiveTable {
             self.begin_layout();
         }
         self.mark_stale_bounds();
-        self.write_triangles();
         for object_idx in 0..self.plan.len() {
             if self.plan[object_idx] != Work::Nothing {
                 self.write_others(object_idx);
@@ -99,15 +105,13 @@ impl PrimitiveTable {
     }
 
     fn commit_stats(&self) -> CommitStats {
-        let mut stats =
-            CommitStats { prim_count: self.geometry.prim_count(), ..CommitStats::default() };
-        for ((span, work), ignored) in self.layout.spans.iter().zip(&self.plan).zip(&self.ignored) {
-            let ignored = ignored.get();
-            stats.non_finite_count += ignored.non_finite;
-            stats.degenerate_count += ignored.degenerate;
-            stats.rewritten_count += if *work == Work::Nothing { 0 } else { span.prim_count() };
+        let spans = self.layout.spans.iter().zip(&self.plan);
+        let rewritten = spans.filter(|&(_, &work)| work != Work::Nothing);
+        CommitStats {
+            prim_count: self.geometry.prim_count(),
+            rewritten_count: rewritten.map(|(span, _)| span.prim_count()).sum(),
+            ..CommitStats::default()
         }
-        stats
     }
 
     fn widest_slack(&self) -> f32 {
@@ -122,18 +126,19 @@ impl PrimitiveTable {
 
     /// Number of blocks that hold triangles; they come first.
     pub(crate) fn triangle_block_count(&self) -> usize {
-        self.corners.len()
+        self.layout.begin.spheres / LANES
     }
 
-    /// The triangles of a block.
+    /// The triangles of a block. They have to be written first: [`Self::write_triangles`].
     pub(crate) fn triangle_block(&self, block_idx: usize) -> &TriangleBlock {
+        debug_assert!(!self.is_pending(), "triangles are asked for before they are written");
         &self.corners[block_idx]
     }
 
     /// Bounding spheres of a block. Those of triangles have to be written first:
     /// [`Self::write_bounds`].
     pub(crate) fn bounds(&self, block_idx: usize) -> &SphereBlock {
-        let is_current = block_idx >= self.corners.len() || !self.bounds_are_stale;
+        let is_current = block_idx >= self.triangle_block_count() || !self.bounds_are_stale;
         debug_assert!(is_current, "bounds of triangles are asked for before they are written");
         &self.bounds[block_idx]
     }
@@ -144,9 +149,16 @@ impl PrimitiveTable {
         self.bounds(slot as usize / LANES).get(slot as usize % LANES)
     }
 
-    /// Whether any primitive is ignored.
+    /// Whether any primitive is ignored. Triangles have to be written first.
     pub(crate) fn has_ignored(&self) -> bool {
-        self.ignored.iter().any(|ignored| ignored.get() != Ignored::default())
+        debug_assert!(!self.is_pending(), "what is ignored is asked for before it is known");
+        self.leaves_out.iter().any(|leaves_out| leaves_out.load(Ordering::Relaxed))
+            || self.others_ignored.iter().any(|ignored| *ignored != Ignored::default())
+    }
+
+    /// Whether triangles are not written yet.
+    pub(super) fn is_pending(&self) -> bool {
+        self.pending.iter().any(|&pending| pending != Work::Nothing)
     }
 
     /// Where the primitives of each object lie; one entry for each object of the geometry.
@@ -166,7 +178,8 @@ impl PrimitiveTable {
         &self.block_bounds
     }
 
-    /// Object masks of a block; 0 for lanes that hold nothing to hit.
+    /// Object masks of a block; 0 for lanes that hold nothing to hit. Triangles have to be written
+    /// first.
     pub(crate) fn masks(&self, block_idx: usize) -> &[u32; LANES] {
         &self.masks[block_idx]
     }
@@ -176,7 +189,7 @@ impl PrimitiveTable {
         &self.ranks[block_idx]
     }
 
-    /// The object mask of a slot.
+    /// The object mask of a slot. Triangles have to be written first.
     #[inline(always)]
     pub(crate) fn mask(&self, slot: u32) -> u32 {
         self.masks[slot as usize / LANES][slot as usize % LANES]
@@ -207,7 +220,7 @@ impl PrimitiveTable {
         (slot as usize) < self.layout.begin.spheres
     }
 
-    /// The corners of a slot that holds a triangle.
+    /// The corners of a slot that holds a triangle. Triangles have to be written first.
     #[inline(always)]
     pub(crate) fn triangle(&self, slot: u32) -> [Vec3; 3] {
         self.corners[slot as usize / LANES].get(slot as usize % LANES)

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec3};
 use proptest::prelude::*;
 use rayflock_geom::simd::cone_sphere::SphereBlock;
-use rayflock_geom::simd::{LANES, SimdLevel};
+use rayflock_geom::simd::{LANES, SimdLevel, dispatch};
 use rayflock_geom::{
     FrameChanges, Geometry, GeometryObject, Mesh, ObjectId, PrimId, RayTransform, Sphere,
     is_degenerate_triangle, transform_point, transform_sphere,
@@ -13,8 +13,7 @@ use rayflock_geom::{
 use rayflock_testkit::Rng;
 use rayflock_testkit::scenes::{SceneRecipe, scene_recipe};
 
-use super::PrimitiveTable;
-use crate::CommitStats;
+use super::{BLOCKS_PER_READ, BlockReader, Ignored, PrimitiveTable};
 
 /// Columns that are written in the plainest way.
 #[derive(Default)]
@@ -25,13 +24,14 @@ struct Plain {
     bounds: Vec<Option<Sphere>>,
     ranks: Vec<u32>,
     masks: Vec<u32>,
-    stats: CommitStats,
+    prim_count: usize,
+    ignored: Ignored,
 }
 
 impl Plain {
     fn new(geometry: &Geometry) -> Self {
         let mut plain = Self::default();
-        plain.stats.prim_count = geometry.prim_count();
+        plain.prim_count = geometry.prim_count();
         let mut first_rank = 0;
         for kind in 0..3 {
             first_rank = 0;
@@ -85,8 +85,8 @@ impl Plain {
 
     fn add(&mut self, bound: Option<Sphere>, is_finite: bool, rank: usize, mask: u32) {
         if bound.is_none() {
-            self.stats.non_finite_count += usize::from(!is_finite);
-            self.stats.degenerate_count += usize::from(is_finite);
+            self.ignored.non_finite += usize::from(!is_finite);
+            self.ignored.degenerate += usize::from(is_finite);
         }
         self.masks.push(if bound.is_some() { mask } else { 0 });
         self.bounds.push(bound);
@@ -104,19 +104,43 @@ impl Plain {
         }
     }
 
-    /// Compares everything but bounds.
-    fn check(&self, table: &PrimitiveTable, stats: CommitStats) {
-        let bits = |corners: &[Vec3; 3]| corners.map(|c| c.to_array().map(f32::to_bits));
-        assert_eq!(table.triangle_block_count() * LANES, self.corners.len());
+    /// Compares what a table holds of triangles, and of everything but bounds.
+    fn check(&self, table: &PrimitiveTable) {
         for (slot, corners) in self.corners.iter().enumerate() {
             assert_eq!(bits(&table.triangle(slot as u32)), bits(corners), "slot {slot}");
         }
         assert_eq!(table.ranks.as_flattened(), self.ranks);
         assert_eq!(table.masks.as_flattened(), self.masks);
-        let counts = |stats: &CommitStats| {
-            (stats.prim_count, stats.non_finite_count, stats.degenerate_count)
-        };
-        assert_eq!(counts(&stats), counts(&self.stats));
+        assert_eq!(table.has_ignored(), self.ignored.count() > 0);
+    }
+
+    /// Compares the triangles that are read, some blocks at a time, and one by one.
+    fn check_reading(&self, table: &PrimitiveTable, rng: &mut Rng) {
+        let block_count = table.triangle_block_count();
+        assert_eq!(block_count * LANES, self.corners.len());
+        let mut end = rng.below(block_count + 1);
+        let mut reader = BlockReader::new(table, end);
+        while end < block_count {
+            let count = 1 + rng.below(BLOCKS_PER_READ.min(block_count - end));
+            let (blocks, slots) = (end..end + count, end * LANES..(end + count) * LANES);
+            end = blocks.end;
+            let read = dispatch!(table.simd().level(), simd => reader.read(simd, blocks));
+            let triangles = read.corners.iter().flat_map(|block| (0..LANES).map(|i| block.get(i)));
+            for ((slot, corners), &mask) in slots.zip(triangles).zip(read.masks.as_flattened()) {
+                let expected = (bits(&self.corners[slot]), self.masks[slot]);
+                let is_padding = self.ranks[slot] == u32::MAX;
+                if is_padding || self.bounds[slot].is_some() {
+                    assert_eq!((bits(&corners), mask), expected, "slot {slot}");
+                }
+            }
+        }
+        for (slot, corners) in self.corners.iter().enumerate() {
+            if self.bounds[slot].is_some() {
+                let (read, mask) = table.read_triangle(slot as u32);
+                assert_eq!((bits(&read), mask), (bits(corners), self.masks[slot]), "slot {slot}");
+            }
+        }
+        assert_eq!(table.count_ignored(), self.ignored);
     }
 
     fn check_bounds(&self, table: &PrimitiveTable) {
@@ -140,7 +164,11 @@ impl Plain {
     }
 }
 
-/// Commits frames, with exact changes or without, and looks at the bounds now and then.
+fn bits(corners: &[Vec3; 3]) -> [[u32; 3]; 3] {
+    corners.map(|corner| corner.to_array().map(f32::to_bits))
+}
+
+/// Commits frames, with exact changes or without; has triangles and bounds written now and then.
 fn check_frames(frames: &[Geometry], simd: SimdLevel, exactly: bool, rng: &mut Rng) {
     let mut table = PrimitiveTable::new(simd);
     let mut previous = Geometry::default();
@@ -149,9 +177,16 @@ fn check_frames(frames: &[Geometry], simd: SimdLevel, exactly: bool, rng: &mut R
         let changes = if exactly { exact } else { FrameChanges::all() };
         let stats = table.commit(frame, &changes);
         let plain = Plain::new(frame);
-        plain.check(&table, stats);
+        assert_eq!(stats.prim_count, plain.prim_count);
+        plain.check_reading(&table, rng);
+        if rng.one_in(2) {
+            table.write_triangles();
+            plain.check(&table);
+            plain.check_reading(&table, rng);
+        }
         if rng.one_in(2) {
             table.write_bounds();
+            plain.check(&table);
             plain.check_bounds(&table);
         }
         check_ids(&table, frame);

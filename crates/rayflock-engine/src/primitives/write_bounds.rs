@@ -1,6 +1,6 @@
 //! Writes bounding spheres, for those engines that ask for them.
 //!
-//! Those of spheres and user primitives are written at commit; those of triangles follow from
+//! Those of spheres and user primitives are written at commit. Those of triangles follow from
 //! their corners, and those of blocks from their members.
 //!
 //! **Cost.** One pass over the groups of sixteen blocks in which anything was written since the
@@ -21,8 +21,10 @@ use super::table::PrimitiveTable;
 const GROUPS_PER_TASK: usize = 4;
 
 impl PrimitiveTable {
-    /// Makes [`Self::bounds`] and [`Self::block_bounds`] those of the committed frame.
+    /// Makes [`Self::bounds`] and [`Self::block_bounds`] those of the committed frame, and triangles
+    /// as well.
     pub(crate) fn write_bounds(&mut self) {
+        self.write_triangles();
         if !self.bounds_are_stale {
             return;
         }

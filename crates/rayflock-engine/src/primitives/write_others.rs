@@ -16,13 +16,13 @@ impl PrimitiveTable {
     /// Writes the spheres and user primitives of object `object_idx`, bounds included.
     pub(super) fn write_others(&mut self, object_idx: usize) {
         let span = self.layout.spans[object_idx];
+        self.others_ignored[object_idx] = Ignored::default();
         if span.count.spheres + span.count.users == 0 {
             return;
         }
         let object = self.geometry.objects()[object_idx].clone();
-        let mut ignored = self.write_spheres(&span, &object);
-        ignored += self.write_users(&span, &object);
-        self.ignored[object_idx].add(ignored);
+        let ignored = self.write_spheres(&span, &object) + self.write_users(&span, &object);
+        self.others_ignored[object_idx] = ignored;
     }
 
     fn write_spheres(&mut self, span: &ObjectSpan, object: &GeometryObject) -> Ignored {

@@ -6,9 +6,9 @@ use std::ops::Range;
 use rayflock_geom::Sphere;
 use rayflock_geom::simd::LANES;
 use rayflock_geom::simd::cone_sphere::SphereBlock;
-use rayflock_geom::simd::ray_triangle::TriangleBlock;
 use rayon::prelude::*;
 
+use super::ignored::Ignored;
 use super::table::PrimitiveTable;
 use super::write_triangles::BLOCKS_PER_TASK;
 
@@ -18,7 +18,6 @@ impl PrimitiveTable {
         let block_count = self.layout.slot_count / LANES;
         let triangle_blocks = self.layout.begin.spheres / LANES;
         let sphere_slots = self.layout.begin.users - self.layout.begin.spheres;
-        self.corners.resize(triangle_blocks, TriangleBlock::EMPTY);
         self.spheres.clear();
         self.spheres.resize(sphere_slots, Sphere::default());
         self.users.clear();
@@ -30,7 +29,9 @@ impl PrimitiveTable {
 
         // Padding ends the triangles, and lies anywhere among what is not triangles.
         let padded = triangle_blocks.saturating_sub(1);
-        self.corners[padded..].fill(TriangleBlock::EMPTY);
+        self.corners.truncate(padded);
+        self.others_ignored.clear();
+        self.others_ignored.resize(self.layout.spans.len(), Ignored::default());
         self.ranks[padded..].fill([u32::MAX; LANES]);
         self.masks[padded..].fill([0; LANES]);
         self.bounds[triangle_blocks..].fill(SphereBlock::EMPTY);

@@ -271,6 +271,7 @@ impl Nest {
         self.shape = Arc::clone(shape);
         self.bounds = shape.bounds();
         self.table.commit(&geometry, &FrameChanges::all());
+        self.table.write_triangles();
         self.list_loose();
         let contents = &mut self.fields.contents;
         contents.frame += 1;

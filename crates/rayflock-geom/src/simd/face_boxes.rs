@@ -19,7 +19,10 @@
 //! Rounding adds some 16 u of the distance from the center, which the added part covers along with
 //! the margin of the corners.
 //!
-//! **Cost.** Some 75 operations and one division for 16 triangles.
+//! **Cost.** Some 75 operations and one division for 16 triangles; on all six sides of a cube 130
+//! and three.
+
+use glam::Vec3;
 
 use super::axes::{Axes, splat_axes, subtract};
 use super::face::{FARTHEST, Face, FaceKind, LARGEST, SMALLEST, WIDEST_CORNER, rotate, taxicab};
@@ -37,22 +40,57 @@ pub struct FaceBoxes<S: Simd> {
     pub behind: mask32x16<S>,
 }
 
-impl Face {
+/// Boxes in space around sixteen triangles, seen from the center of a face.
+#[derive(Clone, Copy, Debug)]
+pub struct SpaceBoxes<S: Simd> {
+    /// Twice their middles.
+    sum: Axes<S>,
+    /// Twice their half sizes.
+    size: Axes<S>,
+}
+
+impl<S: Simd> SpaceBoxes<S> {
     /// Boxes around triangles, given the columns of their corners.
     #[inline(always)]
-    pub fn box_triangles<S: Simd>(&self, simd: S, corners: &[Axes<S>; 3]) -> FaceBoxes<S> {
-        let [a, b, c] = corners;
+    pub fn around(simd: S, [a, b, c]: &[Axes<S>; 3], center: Vec3) -> Self {
         let min = [a[0].min(b[0]).min(c[0]), a[1].min(b[1]).min(c[1]), a[2].min(b[2]).min(c[2])];
         let max = [a[0].max(b[0]).max(c[0]), a[1].max(b[1]).max(c[1]), a[2].max(b[2]).max(c[2])];
-        let center = splat_axes(simd, self.center);
+        let center = splat_axes(simd, center);
         let (min, max) = (subtract(min, center), subtract(max, center));
         let sum = [min[0] + max[0], min[1] + max[1], min[2] + max[2]];
-        let size = subtract(max, min);
-        let q = rotate(self.splat_rows(simd), sum);
+        Self { sum, size: subtract(max, min) }
+    }
+
+    /// The boxes on two sides of the cube around the center: that along an axis, and that against
+    /// it. Coordinates on both are along the two axes that follow it.
+    ///
+    /// The same as [`Face::place_boxes`] of central faces with these axes, as what lies before the
+    /// one lies behind the other.
+    #[inline(always)]
+    pub fn on_sides(&self, simd: S, axis: usize) -> [FaceBoxes<S>; 2] {
+        let turned = |v: &Axes<S>| [v[(axis + 1) % 3], v[(axis + 2) % 3], v[axis]];
+        let (q, h) = (turned(&self.sum), turned(&self.size));
+        let zero = f32x16::splat(simd, 0.0);
+        let (along, against) = (q[2].simd_gt(zero), q[2].simd_lt(zero));
+        let placed = box_central(simd, [q[0], q[1], q[2].abs()], h);
+        let least = f32x16::splat(simd, -16.0 * DEPTH_ERROR) * (taxicab(q) + taxicab(h));
+        [(along, h[2] + q[2]), (against, h[2] - q[2])].map(|(is_before, farthest)| FaceBoxes {
+            certain: placed.certain & is_before,
+            behind: farthest.simd_lt(least),
+            ..placed
+        })
+    }
+}
+
+impl Face {
+    /// Boxes around triangles, given their boxes in space.
+    #[inline(always)]
+    pub fn place_boxes<S: Simd>(&self, simd: S, boxes: &SpaceBoxes<S>) -> FaceBoxes<S> {
+        let q = rotate(self.splat_rows(simd), boxes.sum);
         let [x, y, z] = self.rows;
         let absolute =
             [splat_axes(simd, x.abs()), splat_axes(simd, y.abs()), splat_axes(simd, z.abs())];
-        let h = rotate(absolute, size);
+        let h = rotate(absolute, boxes.size);
         match self.kind {
             FaceKind::Central => box_central(simd, q, h),
             FaceKind::Parallel { reach } => box_parallel(simd, q, h, reach),

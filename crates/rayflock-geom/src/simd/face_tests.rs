@@ -5,6 +5,7 @@ use proptest::prelude::*;
 
 use super::axes::Axes;
 use super::face::{Face, FaceKind};
+use super::face_boxes::SpaceBoxes;
 use super::face_triangle::{FaceTriangle, set_up};
 use super::ray_triangle::{ShearedRay, TriangleBlock, intersect_block};
 use super::{LANES, Lanes, Simd, SimdBase, SimdLevel, SimdMask, dispatch, f32x16, mask32x16};
@@ -107,7 +108,8 @@ fn place<S: Simd>(simd: S, case: &Case) -> [Option<(FaceTriangle, [f32; 2])>; LA
 fn wrongly_boxed<S: Simd>(simd: S, case: &Case) -> Vec<usize> {
     let corners = super::triangle_lanes::TriangleLanes::load(simd, &case.block).corners;
     let placed = case.face.project_triangles(simd, &corners);
-    let boxed = case.face.box_triangles(simd, &corners);
+    let boxes = SpaceBoxes::around(simd, &corners, case.face.center);
+    let boxed = case.face.place_boxes(simd, &boxes);
     let is_wrong = |lane: usize| {
         let (tight, wide) = (placed.bounds, boxed.bounds);
         let within = tight[0][lane] >= wide[0][lane]
@@ -119,6 +121,34 @@ fn wrongly_boxed<S: Simd>(simd: S, case: &Case) -> Vec<usize> {
             || (boxed.certain.test(lane) && is_placed && !within)
     };
     (0..LANES).filter(|&lane| is_wrong(lane)).collect()
+}
+
+/// Sides of the cube around the center on which boxes are not as on faces of their own.
+#[inline(always)]
+fn wrong_sides<S: Simd>(simd: S, case: &Case) -> Vec<(usize, f32)> {
+    let corners = super::triangle_lanes::TriangleLanes::load(simd, &case.block).corners;
+    let boxes = SpaceBoxes::around(simd, &corners, case.face.center);
+    let mut wrong = Vec::new();
+    for axis in 0..3 {
+        for (sign, found) in [1.0, -1.0].into_iter().zip(boxes.on_sides(simd, axis)) {
+            let [x, y, z] = [1, 2, 0].map(|turn| Vec3::AXES[(axis + turn) % 3]);
+            let kind = FaceKind::Central;
+            let face = Face { kind, center: case.face.center, rows: [x, y, sign * z] };
+            let expected = face.place_boxes(simd, &boxes);
+            let certain = expected.certain.to_bitmask();
+            let is_same = (0..LANES).filter(|lane| certain & (1 << lane) != 0).all(|lane| {
+                (0..4).all(|side| found.bounds[side][lane] == expected.bounds[side][lane])
+            });
+            let is_behind = expected.behind.to_bitmask();
+            if !is_same
+                || found.certain.to_bitmask() != certain
+                || found.behind.to_bitmask() != is_behind
+            {
+                wrong.push((axis, sign));
+            }
+        }
+    }
+    wrong
 }
 
 /// Which rays and triangles are accepted but would be rejected.
@@ -179,6 +209,14 @@ proptest! {
     fn boxes_of_boxes_contain_those_of_corners(case in case()) {
         for level in SimdLevel::available() {
             let wrong = dispatch!(level.level(), simd => wrongly_boxed(simd, &case));
+            prop_assert!(wrong.is_empty(), "{level}: {wrong:?}");
+        }
+    }
+
+    #[test]
+    fn sides_of_a_cube_are_faces(case in case()) {
+        for level in SimdLevel::available() {
+            let wrong = dispatch!(level.level(), simd => wrong_sides(simd, &case));
             prop_assert!(wrong.is_empty(), "{level}: {wrong:?}");
         }
     }

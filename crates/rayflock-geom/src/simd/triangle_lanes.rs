@@ -6,7 +6,8 @@ use glam::{Affine3A, Vec3};
 use super::axes::{Axes, dot, load_axes, splat_axes, store_axes, subtract};
 use super::cone_sphere::SphereLanes;
 use super::ray_triangle::TriangleBlock;
-use super::{Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
+use super::{LANES, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
+use crate::is_degenerate_triangle;
 use crate::sphere::{RADIUS_FACTOR, UNDERFLOW};
 
 /// More than what rounding takes off a coordinate of a normal in `f32`, relative to the sum of the
@@ -61,6 +62,25 @@ impl<S: Simd> TriangleLanes<S> {
         let error = size * f32x16::splat(simd, NORMAL_ERROR);
         // NaN is not greater, and what is infinite makes the error infinite or NaN too.
         length.simd_gt(error + f32x16::splat(simd, NORMAL_UNDERFLOW))
+    }
+
+    /// Which triangles are not ignored, as by
+    /// [`is_degenerate_triangle`](crate::is_degenerate_triangle).
+    #[inline(always)]
+    pub fn solid(&self, simd: S) -> mask32x16<S> {
+        let certain = self.certainly_solid(simd);
+        if certain.all_true() { certain } else { self.ask_doubtful(simd, certain) }
+    }
+
+    #[inline(never)]
+    fn ask_doubtful(&self, simd: S, certain: mask32x16<S>) -> mask32x16<S> {
+        let mut block = TriangleBlock::EMPTY;
+        self.store(&mut block);
+        let is_solid = |lane: &usize| !is_degenerate_triangle(block.get(*lane));
+        let doubtful = |lane: &usize| certain.to_bitmask() & (1 << lane) == 0;
+        let solid = (0..LANES).filter(doubtful).filter(is_solid);
+        let solid = solid.fold(certain.to_bitmask(), |solid, lane| solid | (1 << lane));
+        mask32x16::from_bitmask(simd, solid)
     }
 
     /// Spheres around the triangles, as by [`Sphere::around_triangle`](crate::Sphere); one that
@@ -144,9 +164,9 @@ mod tests {
     use proptest::prelude::*;
 
     use super::super::cone_sphere::SphereBlock;
-    use super::super::{LANES, SimdLevel, SimdMask, dispatch};
+    use super::super::{SimdLevel, dispatch};
     use super::*;
-    use crate::{Sphere, is_degenerate_triangle, transform_point};
+    use crate::{Sphere, transform_point};
 
     /// Coordinates of all magnitudes, with many that coincide or are not finite.
     fn coordinate() -> impl Strategy<Value = f32> {
@@ -196,13 +216,17 @@ mod tests {
         ) {
             let solid = at_every_level(&triangles, |level, block| {
                 dispatch!(level.level(), simd => {
-                    TriangleLanes::load(simd, block).certainly_solid(simd).to_bitmask()
+                    let triangles = TriangleLanes::load(simd, block);
+                    let certain = triangles.certainly_solid(simd).to_bitmask();
+                    (certain, triangles.solid(simd).to_bitmask())
                 })
             });
-            for solid in solid {
+            for (certain, solid) in solid {
                 for (lane, corners) in triangles.iter().enumerate() {
-                    let claimed = solid & (1 << lane) != 0;
-                    prop_assert!(!(claimed && is_degenerate_triangle(*corners)), "{corners:?}");
+                    let is_certain = certain & (1 << lane) != 0;
+                    let is_degenerate = is_degenerate_triangle(*corners);
+                    prop_assert!(!(is_certain && is_degenerate), "{corners:?}");
+                    prop_assert_eq!(solid & (1 << lane) != 0, !is_degenerate, "{:?}", corners);
                 }
             }
         }

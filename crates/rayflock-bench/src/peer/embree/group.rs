@@ -5,7 +5,7 @@
 use rayflock::geom::{GeometryObject, ObjectId, PrimId};
 
 use super::ffi::Scene;
-use super::write::{Ignored, count_ignored, write_spheres, write_vertices};
+use super::write::{count_non_finite, write_spheres, write_vertices};
 
 /// Which of the scenes of a layout with instances a group is in. The number is the id of the
 /// instance.
@@ -27,7 +27,7 @@ pub(super) struct Member {
     first_triangle: u32,
     first_sphere: u32,
     triangle_count: u32,
-    ignored: Ignored,
+    non_finite: usize,
 }
 
 /// Objects that share geometries.
@@ -78,26 +78,25 @@ impl Group {
         scene: &mut Scene,
     ) {
         let member = &mut self.members[member_idx];
-        let mut ignored = Ignored::default();
+        let mut non_finite = 0;
         if let Some(id) = self.triangles {
             let first = 3 * member.first_vertex;
             let end = first + 3 * object.shape.vertices().len();
             let vertices = &mut scene.vertices_mut(id)[first..end];
             write_vertices(object, vertices);
-            ignored = count_ignored(object, vertices);
+            non_finite += count_non_finite(object, vertices);
         }
         if let Some(id) = self.spheres {
             let first = 4 * member.first_sphere as usize;
             let end = first + 4 * object.shape.spheres().len();
-            let spheres = write_spheres(object, &mut scene.vertices_mut(id)[first..end]);
-            ignored = ignored.plus(spheres);
+            non_finite += write_spheres(object, &mut scene.vertices_mut(id)[first..end]);
         }
-        member.ignored = ignored;
+        member.non_finite = non_finite;
     }
 
-    /// What of the group cannot be hit.
-    pub(super) fn ignored(&self) -> Ignored {
-        self.members.iter().fold(Ignored::default(), |sum, member| sum.plus(member.ignored))
+    /// How many primitives of the group are not finite.
+    pub(super) fn non_finite(&self) -> usize {
+        self.members.iter().map(|member| member.non_finite).sum()
     }
 
     /// The geometries.
@@ -128,11 +127,11 @@ impl Columns {
         self.vertices.resize(3 * (first_vertex + shape.vertices().len()), 0.0);
         let vertices = &mut self.vertices[3 * first_vertex..];
         write_vertices(object, vertices);
-        let ignored = count_ignored(object, vertices);
+        let mut non_finite = count_non_finite(object, vertices);
         let offset = first_vertex as u32;
         self.triangles.extend(shape.triangles().iter().map(|corners| corners.map(|i| i + offset)));
         self.spheres.resize(4 * (first_sphere + shape.spheres().len()), 0.0);
-        let ignored = ignored.plus(write_spheres(object, &mut self.spheres[4 * first_sphere..]));
+        non_finite += write_spheres(object, &mut self.spheres[4 * first_sphere..]);
 
         Member {
             id: object.id,
@@ -140,7 +139,7 @@ impl Columns {
             first_triangle: first_triangle as u32,
             first_sphere: first_sphere as u32,
             triangle_count: shape.triangles().len() as u32,
-            ignored,
+            non_finite,
         }
     }
 }

@@ -100,16 +100,7 @@ impl World {
     }
 
     fn stats(&self, prim_count: usize, rewritten_count: usize) -> CommitStats {
-        let ignored = self.groups.values().map(Group::ignored);
-        let (non_finite_count, degenerate_count) = ignored
-            .fold((0, 0), |(a, b), ignored| (a + ignored.non_finite, b + ignored.degenerate));
-        CommitStats {
-            prim_count,
-            non_finite_count,
-            degenerate_count,
-            rewritten_count,
-            conversion_ns: self.conversion_ns,
-        }
+        CommitStats { prim_count, rewritten_count, conversion_ns: self.conversion_ns }
     }
 
     fn converted_since(&mut self, start: Instant) {
@@ -167,7 +158,7 @@ impl World {
         let Some(mut group) = self.groups.remove(&key) else {
             return self.add(key, wanted, touched);
         };
-        let before = group.ignored().non_finite;
+        let before = group.non_finite();
         let is_new_mask = group.mask != wanted.mask;
         let is_changed = wanted.objects.iter().any(|object| has_changed(object, changes));
         if is_changed {
@@ -184,7 +175,7 @@ impl World {
         }
         group.mask = wanted.mask;
         // A refit tree knows only what was valid when it was built.
-        let is_stale = before + group.ignored().non_finite > 0 && is_changed;
+        let is_stale = before + group.non_finite() > 0 && is_changed;
         for id in group.geometries().filter(|_| is_changed) {
             let scene = self.scene_mut(group.part);
             if is_new_mask {

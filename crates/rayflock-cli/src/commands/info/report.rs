@@ -1,8 +1,7 @@
 //! The facts about a scene.
 
 use anyhow::Result;
-use rayflock::engine::{EngineKind, create};
-use rayflock::geom::FrameChanges;
+use rayflock::engine::{Ignored, count_ignored};
 use rayflock::scene::{
     Camera, Clip, Evaluator, Light, LightKind, MotionKind, Projection, Scene, SceneFrame,
     SceneObject, SurfaceMesh,
@@ -116,7 +115,7 @@ impl Report {
 
         let scene = &*input.scene;
         let mut warnings = input.warnings;
-        warnings.extend(ignored_warning(&args.name, frame)?);
+        warnings.extend(ignored_warning(&args.name, frame));
         let meshes = || frame.surfaces.iter().map(|surface| &surface.mesh);
         Ok(Self {
             input: input.name,
@@ -194,13 +193,13 @@ fn light_reports(scene: &Scene) -> Vec<LightReport> {
 }
 
 /// Primitives of frame 0 that engines ignore.
-fn ignored_warning(input: &str, frame: &SceneFrame) -> Result<Option<String>> {
-    let commit = create(EngineKind::Brute).commit(&frame.geometry, &FrameChanges::all())?;
-    let (non_finite, flat) = (commit.non_finite_count, commit.degenerate_count);
-    Ok((non_finite + flat > 0).then(|| {
+fn ignored_warning(input: &str, frame: &SceneFrame) -> Option<String> {
+    let ignored = count_ignored(&frame.geometry);
+    let Ignored { non_finite, degenerate } = ignored;
+    (ignored.count() > 0).then(|| {
         format!(
             "{input}: frame 0: {non_finite} primitives with a coordinate that is not finite and \
-             {flat} without area are ignored"
+             {degenerate} without area are ignored"
         )
-    }))
+    })
 }

@@ -3,8 +3,9 @@
 use std::time::Instant;
 
 use anyhow::Context;
-use rayflock::engine::RayEngine;
-use rayflock::render::sensor::{Scanner, SensorError, StepStats, Sweep};
+use rayflock::engine::{RayEngine, count_ignored};
+use rayflock::geom::Geometry;
+use rayflock::render::sensor::{Scanner, SensorError, Sweep};
 use rayflock::scene::Evaluator;
 
 use super::plan::SensePlan;
@@ -104,12 +105,9 @@ impl<'a> Work<'a> {
                     "stopped after {done_count} of {count} sweeps"
                 )));
             }
-            let stats = self.step(sweep, step_idx)?;
-            let ignored = stats.commit.non_finite_count + stats.commit.degenerate_count;
-            if ignored > 0 && step_idx == 0 && done_count == 0 {
-                let (when, count) = (format!("sweep {sweep}"), stats.commit.prim_count as u64);
-                let text = ignored_text(&self.plan.input.name, &when, ignored as u64, count);
-                progress.say(format_args!("warning: {text}"));
+            let geometry = self.step(sweep, step_idx)?;
+            if step_idx == 0 && done_count == 0 {
+                self.warn_of_ignored(sweep, &geometry, progress);
             }
             progress.advance();
         }
@@ -118,7 +116,17 @@ impl<'a> Work<'a> {
         self.write(sweep)
     }
 
-    fn step(&mut self, sweep: u32, step_idx: usize) -> Result<StepStats, Failure> {
+    fn warn_of_ignored(&self, sweep: u32, geometry: &Geometry, progress: &Progress) {
+        let ignored = count_ignored(geometry).count() as u64;
+        if ignored > 0 {
+            let (when, count) = (format!("sweep {sweep}"), geometry.prim_count() as u64);
+            let text = ignored_text(&self.plan.input.name, &when, ignored, count);
+            progress.say(format_args!("warning: {text}"));
+        }
+    }
+
+    /// Traces one step; returns the geometry that it saw.
+    fn step(&mut self, sweep: u32, step_idx: usize) -> Result<Geometry, Failure> {
         let plan = self.plan;
         let time = self.scanner.step_time(step_idx);
         let context = || format!("{}: sweep {sweep}, at {time} s", plan.input.name);
@@ -127,7 +135,7 @@ impl<'a> Work<'a> {
         let traced = self.scanner.trace_step(step_idx, scene, frame, &mut self.sweep);
         let stats = traced.with_context(context).blame_input()?;
         self.effort.ray_count += stats.trace.rays;
-        Ok(stats)
+        Ok(frame.geometry.clone())
     }
 
     /// Adds the sweep to what was found.

@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use anyhow::Context;
 use glam::Vec3;
-use rayflock::engine::{CommitStats, RayEngine};
+use rayflock::engine::{RayEngine, count_ignored};
+use rayflock::geom::Geometry;
 use rayflock::render::sun::{SunMeter, SunStep, WorldMesh};
 use rayflock::scene::Evaluator;
 
@@ -51,11 +52,11 @@ impl<'a> Study<'a> {
         let mut evaluator = plan.evaluator.clone();
         let mut meter = SunMeter::new(engine, plan.sampling, plan.sides);
         let frame = plan.frames.first;
-        let (mesh, stats) = commit(plan, frame, &mut evaluator, &mut meter)?;
-        let ignored = (stats.non_finite_count + stats.degenerate_count) as u64;
+        let (mesh, geometry) = commit(plan, frame, &mut evaluator, &mut meter)?;
+        let ignored = count_ignored(&geometry).count() as u64;
         if ignored > 0 {
-            let when = format!("frame {frame}");
-            let text = ignored_text(&plan.input.name, &when, ignored, stats.prim_count as u64);
+            let (when, count) = (format!("frame {frame}"), geometry.prim_count() as u64);
+            let text = ignored_text(&plan.input.name, &when, ignored, count);
             terminal::say(format_args!("warning: {text}"));
         }
         let samples = meter.samples();
@@ -147,11 +148,12 @@ fn commit(
     frame: u32,
     evaluator: &mut Evaluator,
     meter: &mut SunMeter,
-) -> Result<(WorldMesh, CommitStats), Failure> {
+) -> Result<(WorldMesh, Geometry), Failure> {
     let context = || format!("{}: frame {frame}", plan.input.name);
     let scene_frame = evaluator.evaluate(plan.time(frame)).with_context(context).blame_input()?;
     let committed = meter.commit(&scene_frame.geometry, &scene_frame.changes);
-    committed.with_context(context).blame_input()
+    let (mesh, _) = committed.with_context(context).blame_input()?;
+    Ok((mesh, scene_frame.geometry.clone()))
 }
 
 #[cfg(test)]

@@ -211,6 +211,11 @@ pub(super) fn extent<S: Simd>(points: &RayPoints<S>) -> f32x16<S> {
 }
 
 impl RayStrips {
+    /// Whether the faces are the six sides of a cube: along each axis, then against it.
+    pub(super) fn is_cube(&self) -> bool {
+        self.faces.len() == 6
+    }
+
     /// Takes these faces, without rays.
     pub(super) fn clear(&mut self, faces: &[Face]) {
         self.faces.truncate(faces.len());

@@ -4,15 +4,19 @@
 //! ray are done with, the others are projected, asked once more, and become rows in the lists of
 //! the bands that they touch. What has no place on the face goes by its slot.
 
+use std::ops::Range;
+
+use rayflock_geom::simd::face_boxes::{FaceBoxes, SpaceBoxes};
 use rayflock_geom::simd::face_triangle::FaceTriangle;
 use rayflock_geom::simd::ray_triangle::TriangleBlock;
 use rayflock_geom::simd::strip_rows::{StripRow, write_strip_rows};
+use rayflock_geom::simd::triangle_lanes::TriangleLanes;
 use rayflock_geom::simd::{LANES, Lanes, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16};
 
 use super::ray_strips::RayStrips;
 use super::staged::Staged;
 use crate::TraceStats;
-use crate::primitives::PrimitiveTable;
+use crate::primitives::{BLOCKS_PER_READ, BlockReader, PrimitiveTable};
 
 /// What a task found: for each band, the primitives that may touch it.
 #[derive(Debug, Default)]
@@ -20,6 +24,15 @@ pub(super) struct Chunk {
     pub(super) lists: Vec<Vec<StripRow>>,
     /// One for each face.
     staged: Vec<Staged>,
+}
+
+/// A block at hand.
+#[derive(Clone, Copy)]
+struct Block<'a, S: Simd> {
+    block_idx: usize,
+    ranks: &'a [u32; LANES],
+    corners: [[f32x16<S>; 3]; 3],
+    masks: u32x16<S>,
 }
 
 /// Blocks and other primitives of one task.
@@ -31,7 +44,7 @@ pub(super) struct Share {
 }
 
 impl Share {
-    fn of(self, count: usize) -> std::ops::Range<usize> {
+    fn of(self, count: usize) -> Range<usize> {
         count * self.part_idx / self.part_count..count * (self.part_idx + 1) / self.part_count
     }
 }
@@ -54,12 +67,10 @@ impl Chunk {
             self.staged.resize_with(strips.faces.len(), || Staged::EMPTY);
         }
         let mut stats = TraceStats::default();
-        for block_idx in share.of(table.triangle_block_count()) {
-            self.stream_block(simd, table, strips, block_idx, &mut stats);
-        }
+        self.stream_blocks(simd, table, strips, share.of(table.triangle_block_count()), &mut stats);
         for face_idx in 0..strips.faces.len() {
             while self.staged[face_idx].len > 0 {
-                self.place_staged(simd, table, strips, face_idx);
+                self.place_staged(simd, strips, face_idx);
             }
         }
         self.place_others(table, strips, share);
@@ -69,58 +80,98 @@ impl Chunk {
     }
 
     #[inline(always)]
+    fn stream_blocks<S: Simd>(
+        &mut self,
+        simd: S,
+        table: &PrimitiveTable,
+        strips: &RayStrips,
+        blocks: Range<usize>,
+        stats: &mut TraceStats,
+    ) {
+        let mut reader = BlockReader::new(table, blocks.start);
+        for first in blocks.clone().step_by(BLOCKS_PER_READ) {
+            let read = reader.read(simd, first..(first + BLOCKS_PER_READ).min(blocks.end));
+            for (idx, block) in read.corners.iter().zip(read.masks).enumerate() {
+                self.stream_block(simd, table, strips, (first + idx, block), stats);
+            }
+        }
+    }
+
+    #[inline(always)]
     fn stream_block<S: Simd>(
         &mut self,
         simd: S,
         table: &PrimitiveTable,
         strips: &RayStrips,
-        block_idx: usize,
+        (block_idx, (corners, masks)): (usize, (&TriangleBlock, &[u32; LANES])),
         stats: &mut TraceStats,
     ) {
-        let corners = load_corners(simd, table.triangle_block(block_idx));
-        let masks = u32x16::from_slice(simd, table.masks(block_idx));
-        let is_there = !masks.simd_eq(u32x16::splat(simd, 0));
+        let corners = load_corners(simd, corners);
+        let masks = u32x16::from_slice(simd, masks);
         stats.bytes += (9 * size_of::<Lanes>()) as u64;
-        for (face_idx, face) in strips.faces.iter().enumerate() {
-            if face.is_empty() {
-                continue;
-            }
-            stats.box_tests += LANES as u64;
-            let boxed = face.face.box_triangles(simd, &corners);
-            let touches = is_there & !boxed.behind;
-            let asked = touches & boxed.certain;
-            let near = asked & overlaps(simd, &boxed.bounds, &face.bounds);
-            let kept = (touches & !asked) | face.keep(simd, &boxed.bounds, near, false);
-            if kept.any_true() {
-                let ranks = u32x16::from_slice(simd, table.ranks(block_idx));
-                let slots = first_slots(simd) + u32x16::splat(simd, (block_idx * LANES) as u32);
-                let staged = &mut self.staged[face_idx];
-                staged.append(simd, &(corners, [slots, ranks, masks]), kept);
-                if staged.len >= LANES {
-                    self.place_staged(simd, table, strips, face_idx);
+        let boxes = SpaceBoxes::around(simd, &corners, strips.faces[0].face.center);
+        let block = Block { block_idx, ranks: table.ranks(block_idx), corners, masks };
+        if strips.is_cube() {
+            for axis in 0..3 {
+                for (sign, boxed) in boxes.on_sides(simd, axis).iter().enumerate() {
+                    let face_idx = 2 * axis + sign;
+                    stats.box_tests += self.stage(simd, strips, &block, boxed, face_idx);
                 }
             }
+        } else {
+            let boxed = strips.faces[0].face.place_boxes(simd, &boxes);
+            stats.box_tests += self.stage(simd, strips, &block, &boxed, 0);
         }
+    }
+
+    /// Has those triangles of a block wait that may touch rays of a face. Returns how many were
+    /// asked.
+    #[inline(always)]
+    fn stage<S: Simd>(
+        &mut self,
+        simd: S,
+        strips: &RayStrips,
+        block: &Block<'_, S>,
+        boxed: &FaceBoxes<S>,
+        face_idx: usize,
+    ) -> u64 {
+        let face = &strips.faces[face_idx];
+        if face.is_empty() {
+            return 0;
+        }
+        let &Block { block_idx, ranks, corners, masks } = block;
+        let is_there = !masks.simd_eq(u32x16::splat(simd, 0));
+        let touches = is_there & !boxed.behind;
+        let asked = touches & boxed.certain;
+        let near = asked & overlaps(simd, &boxed.bounds, &face.bounds);
+        let kept = (touches & !asked) | face.keep(simd, &boxed.bounds, near, false);
+        if kept.any_true() {
+            let ranks = u32x16::from_slice(simd, ranks);
+            let slots = first_slots(simd) + u32x16::splat(simd, (block_idx * LANES) as u32);
+            let staged = &mut self.staged[face_idx];
+            staged.append(simd, &(corners, [slots, ranks, masks]), kept);
+            if staged.len >= LANES {
+                self.place_staged(simd, strips, face_idx);
+            }
+        }
+        LANES as u64
     }
 
     /// Projects the first sixteen triangles of a face that wait, or as many as there are, and lists
     /// those that may be hit.
     #[inline(always)]
-    fn place_staged<S: Simd>(
-        &mut self,
-        simd: S,
-        table: &PrimitiveTable,
-        strips: &RayStrips,
-        face_idx: usize,
-    ) {
+    fn place_staged<S: Simd>(&mut self, simd: S, strips: &RayStrips, face_idx: usize) {
         let face = &strips.faces[face_idx];
         let staged = &mut self.staged[face_idx];
         let waiting = mask32x16::from_bitmask(simd, (1 << staged.len.min(LANES)) - 1);
         let (corners, [slots, ranks, masks]) = staged.take(simd);
+        let waiting = waiting & TriangleLanes { corners }.solid(simd);
         let placed = face.face.project_triangles(simd, &corners);
         let rare = waiting & !placed.placed & !placed.behind;
         if rare.any_true() {
-            self.list_rare(table, strips, face_idx, &slots, rare.to_bitmask());
+            let mut triangles = TriangleBlock::EMPTY;
+            TriangleLanes { corners }.store(&mut triangles);
+            self.list_rare(strips, face_idx, (&triangles, &slots), rare.to_bitmask());
         }
         let touches = waiting & placed.placed & overlaps(simd, &placed.bounds, &face.bounds);
         let mut touches = face.keep(simd, &placed.bounds, touches, true).to_bitmask();
@@ -160,22 +211,21 @@ impl Chunk {
     #[inline(never)]
     fn list_rare(
         &mut self,
-        table: &PrimitiveTable,
         strips: &RayStrips,
         face_idx: usize,
-        slots: &[u32; LANES],
+        (triangles, slots): (&TriangleBlock, &[u32; LANES]),
         mut lanes: u64,
     ) {
         let face = &strips.faces[face_idx];
         let [x0, x1, y0, y1] = face.bounds;
         while lanes != 0 {
-            let slot = slots[lanes.trailing_zeros() as usize];
+            let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
-            let Some(placed) = face.face.place_triangle(table.triangle(slot)) else { continue };
+            let Some(placed) = face.face.place_triangle(triangles.get(lane)) else { continue };
             let [left, right] = FaceTriangle::of(&placed).clip([y0, y1]);
             if left <= x1 && right >= x0 {
                 let all = [0, face.strip_count - 1];
-                self.list(strips, face_idx, all, StripRow::of_slot(slot));
+                self.list(strips, face_idx, all, StripRow::of_slot(slots[lane]));
             }
         }
     }

@@ -183,19 +183,16 @@ impl BandTracer {
         while lanes != 0 {
             let slot = rows[lanes.trailing_zeros() as usize].slot();
             lanes &= lanes - 1;
-            let placed = if table.is_triangle(slot) {
-                face.face.place_triangle(table.triangle(slot))
-            } else {
-                face.face.place_sphere(&table.bound(slot), table.slack())
+            let triangle = table.is_triangle(slot).then(|| table.read_triangle(slot));
+            let placed = match triangle {
+                Some((corners, _)) => face.face.place_triangle(corners),
+                None => face.face.place_sphere(&table.bound(slot), table.slack()),
             };
             let Some(placed) = placed else { continue };
             let [_, _, y0, y1] = placed.bounds;
             let strips = face.strips([y0, y1]);
-            if table.is_triangle(slot) {
-                let row = StripRow::of_triangle(
-                    table.triangle(slot),
-                    [slot, table.rank(slot), table.mask(slot)],
-                );
+            if let Some((corners, mask)) = triangle {
+                let row = StripRow::of_triangle(corners, [slot, table.rank(slot), mask]);
                 self.meet(simd, here, &FaceTriangle::of(&placed), &row, strips, stats);
                 continue;
             }
