@@ -33,7 +33,7 @@ const TRIALS: u32 = 3;
 
 /// Nanoseconds from which on a measurement stands for two, and for three: starting slowly is a
 /// smaller part of it, and trying costs more.
-const LONG_NS: [f32; 2] = [5e6, 5e7];
+const LONG_NS: [f32; 2] = [2.5e7, 1e8];
 
 /// Measured over shipped time.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,7 +9,8 @@ use crate::packet::Question;
 /// What the rays of a batch share, as far as the batch tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum RayClass {
-    /// All start at one point, through the pixels of an image.
+    /// All start at one point, go through the pixels of an image and ask for what is nearest: those
+    /// of a camera.
     SharedOriginImage,
     /// All start at one point.
     SharedOrigin,
@@ -22,10 +23,11 @@ pub enum RayClass {
 }
 
 impl RayClass {
-    fn of(rays: &RayBatch<'_>) -> Self {
+    fn of(rays: &RayBatch<'_>, question: Question) -> Self {
         if rays.origin().uniform().is_some() {
-            match rays.order() {
-                RayOrder::Image { .. } => Self::SharedOriginImage,
+            // Shadow rays from a lamp may come in the order of an image, but do not make one.
+            match (rays.order(), question) {
+                (RayOrder::Image { .. }, Question::Closest) => Self::SharedOriginImage,
                 _ => Self::SharedOrigin,
             }
         } else if rays.direction().uniform().is_some() {
@@ -94,7 +96,7 @@ pub(super) struct SituationKey {
 impl Situation {
     /// The situation of a batch.
     pub(super) fn of(rays: &RayBatch<'_>, question: Question, frame: &Frame) -> Self {
-        Self { class: RayClass::of(rays), question, ray_count: rays.len(), frame: *frame }
+        Self { class: RayClass::of(rays, question), question, ray_count: rays.len(), frame: *frame }
     }
 
     /// What it is alike to.
