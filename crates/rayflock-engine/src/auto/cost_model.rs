@@ -2,9 +2,9 @@
 //!
 //! For each kind of situation and member stands the ratio of measured to shipped time. In a
 //! situation that a member never met, its ratio is guessed: from that of the other members there,
-//! for a machine that is slow or a view that is mostly empty is so for all of them, and from its own
-//! ratio in the situation most alike, the less the farther that is. Half of that guess counts: an
-//! engine that might be the best is tried a few times. A ratio that is not measured again sinks
+//! for a machine that is slow or a view that is mostly empty is so for all of them, and from its
+//! own ratio in the situation most alike, the less the farther that is. Half of that guess counts:
+//! an engine that might be the best is tried a few times. A ratio that is not measured again sinks
 //! slowly, so that one bad moment of the machine does not rule an engine out for good.
 //!
 //! **Cost.** A search in a table of the situations met; memory grows with their kinds only.

@@ -67,7 +67,8 @@ struct Cells {
 }
 
 impl SlotSorter {
-    /// Sorts the `wanted` primitives, without spheres and the like that cannot be hit. The order is then in [`Self::slot`].
+    /// Sorts the `wanted` primitives, without spheres and the like that cannot be hit. The order is
+    /// then in [`Self::slot`].
     pub(super) fn sort(
         &mut self,
         level: SimdLevel,

@@ -57,8 +57,8 @@ impl<'a> TriangleReader<'a> {
         Self { table, last: None }
     }
 
-    /// Reads the triangles of the first 32 slots. Where there are fewer, the first of a leaf is there
-    /// again, out of sight.
+    /// Reads the triangles of the first 32 slots. Where there are fewer, the first of a leaf is
+    /// there again, out of sight.
     #[inline(always)]
     pub(super) fn stage(&mut self, slots: &[u32], staged: &mut StagedTriangles) {
         for (leaf_idx, slots) in slots.chunks(LANES).take(ROW_COUNT / LANES).enumerate() {

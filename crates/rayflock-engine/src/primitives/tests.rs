@@ -30,8 +30,7 @@ struct Plain {
 
 impl Plain {
     fn new(geometry: &Geometry) -> Self {
-        let mut plain = Self::default();
-        plain.prim_count = geometry.prim_count();
+        let mut plain = Self { prim_count: geometry.prim_count(), ..Self::default() };
         let mut first_rank = 0;
         for kind in 0..3 {
             first_rank = 0;

@@ -21,8 +21,8 @@ use super::table::PrimitiveTable;
 const GROUPS_PER_TASK: usize = 4;
 
 impl PrimitiveTable {
-    /// Makes [`Self::bounds`] and [`Self::block_bounds`] those of the committed frame, and triangles
-    /// as well.
+    /// Makes [`Self::bounds`] and [`Self::block_bounds`] those of the committed frame, and
+    /// triangles as well.
     pub(crate) fn write_bounds(&mut self) {
         self.write_triangles();
         if !self.bounds_are_stale {
