@@ -4,7 +4,8 @@
 //!   (parts)      objects that rest go to a kept tree, objects that change to a fresh one
 //!   leaf_order   the order of the frame before where it still serves (split_greedily: a better
 //!                one where it has served for long), else along a Hilbert curve (sort_slots)
-//!   build_tree   (stage_triangles) sixteen primitives a leaf, sixteen leaves a node, sixteen nodes a node ...
+//!   build_tree   (stage_triangles) sixteen primitives a leaf, sixteen leaves a node, sixteen nodes
+//!                a node ...
 //!   ray_block    some thousand rays, prepared for boxes and for triangles; neighbours that start
 //!                and go alike become groups (ray_group)
 //!   trace_block  lists go down the trees (walk_tree): of groups, one beam against sixteen boxes,
@@ -28,18 +29,19 @@
 //! its rays go on alone, with the hits that they have (`ray_group`).
 //!
 //! **Invariants.** Boxes are conservative (`simd::ray_boxes`, `simd::ray_beams`,
-//! `simd::triangle_boxes`): a primitive
-//! that the accepting test would hit is in a leaf that the ray gets to, unless a nearer hit was
-//! found before. Which tree an object is in changes speed, never an answer.
+//! `simd::triangle_boxes`): a primitive that the accepting test would hit is in a leaf that the ray
+//! gets to, unless a nearer hit was found before. Which tree an object is in changes speed, never
+//! an answer.
 //!
-//! **Cost.** Per frame, two passes over what changed and a sort of it, some 13 ns a triangle on two
-//! AVX-512 server cores; 69 bytes a triangle above the table; the fresh tree is built when the first
-//! batch of a frame comes. Per ray, 64 bytes in a block, 128 in batches with an order. Groups took 1K triangles x 1M mirrored rays from 66 to
-//! 18 ms (two AVX-512 server cores). Loading, grouping and answering a ray are some 30 cycles, a
-//! node 17 a single ray and 45 a group, a leaf 45 a single ray. Dissolving groups took shadows of a
-//! dense teapot in a wide arena (158K triangles, 230K rays) from 49 to 5.4 ms, its mirrored rays
-//! from 32 to 6.5 ms. Asking about the boxes of spheres first, and dissolving groups by spheres as
-//! well, took shadows among 100K of them (225K rays) from 207 to 18 ms.
+//! **Cost.** Per frame, two passes over what changed and a sort of it, with the leaves some 13 ns a
+//! triangle on two AVX-512 server cores; 69 bytes a triangle above the table; the fresh tree is
+//! built when the first batch of a frame comes. Per ray, 64 bytes in a block, 128 in batches with
+//! an order. Groups took 1K triangles x 1M mirrored rays from 66 to 18 ms (the same cores).
+//! Loading, grouping and answering a ray are some 30 cycles, a node 17 a single ray and 45 a group,
+//! a leaf 45 a single ray. Dissolving groups took shadows of a dense teapot in a wide arena (158K
+//! triangles, 230K rays) from 49 to 5.4 ms, its mirrored rays from 32 to 6.5 ms. Asking about the
+//! boxes of spheres first, and dissolving groups by spheres as well, took shadows among 100K of
+//! them (225K rays) from 207 to 18 ms.
 //!
 //! **Did not pay.** Sending rays of short lists through the rest of a tree one by one, nearest box
 //! first; asking for the vertices of triangles ahead when leaves are written; huge pages.

@@ -33,12 +33,12 @@
 //! would hit gets to the tile of the ray (`simd::cone_sphere`). Every primitive a tile skips for
 //! its distance lies beyond the tile's hits.
 //!
-//! **Cost.** Per frame one pass over the primitives that changed, but for the first batch of points,
-//! which passes all of them where they lie. Per batch and task one cone test
-//! for each block of sixteen primitives and one for each member of a touched block, again below
-//! nodes too wide for a list; then up to four for each surviving (node, primitive) pair. 20 bytes
-//! a ray, 12 more where rays are sorted; 56 bytes a node; up to 24 bytes a primitive for each
-//! list of a thread, one list a level at most.
+//! **Cost.** Per frame one pass over the primitives that changed, but for the first batch of
+//! points, which passes all of them where they lie. Per batch and task one cone test for each block
+//! of sixteen primitives and one for each member of a touched block, again below nodes too wide for
+//! a list; then up to four for each surviving (node, primitive) pair. 20 bytes a ray, 12 more where
+//! rays are sorted; 56 bytes a node; up to 24 bytes a primitive for each list of a thread, one list
+//! a level at most.
 
 mod arrange;
 mod build_tree;

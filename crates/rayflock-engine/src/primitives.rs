@@ -19,9 +19,9 @@
 //! what they are; so does padding. What stands in the columns depends on the committed geometry
 //! alone, triangles and bounds once they are written.
 //!
-//! **Cost.** A commit costs by the object, by the sphere and, where the layout differs, four bytes a
-//! primitive. One pass over the triangles of the
-//! objects that changed writes them, one more their bounds; 61 bytes a triangle, 41 a sphere.
+//! **Cost.** A commit costs by the object, by the sphere and, where the layout differs, four bytes
+//! a primitive. One pass over the triangles of the objects that changed writes them, one more their
+//! bounds; 61 bytes a triangle, 41 a sphere.
 
 mod ignored;
 mod plan;
