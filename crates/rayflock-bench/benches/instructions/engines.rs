@@ -83,10 +83,10 @@ fn moving_frames() -> [SceneFrame; 3] {
         .map(|frame| evaluator.evaluate(f64::from(frame) / rate).unwrap().clone())
 }
 
-/// Takes over a frame.
+/// Takes over a frame, and writes its primitives.
 fn commit() -> usize {
     let [first, second, last] = moving_frames();
-    let mut engine = create(EngineKind::Hierarchy);
+    let mut engine = create(EngineKind::Brute);
     for frame in [&first, &second] {
         engine.commit(&frame.geometry, &frame.changes).unwrap();
     }
