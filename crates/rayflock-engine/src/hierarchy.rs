@@ -53,6 +53,7 @@ mod trace_ray;
 mod trace_tile;
 
 use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch};
+use web_time::Instant;
 
 pub use config::Config;
 
@@ -76,8 +77,8 @@ pub struct HierarchyEngine {
     points: PointTracer,
     /// Whether the last batch was traced as points of faces, not by the tree.
     on_faces: bool,
-    /// Whether a batch of this frame was.
-    has_streamed: bool,
+    /// Whether this frame has had a batch.
+    has_traced: bool,
     /// Nearest hits in the order of the arrangement.
     nearest: Vec<Nearest>,
     /// Lists and packets of tasks that are not running.
@@ -90,7 +91,7 @@ impl HierarchyEngine {
         Self { config, table: PrimitiveTable::new(config.simd), ..Self::default() }
     }
 
-    /// Fills `nearest` for the whole batch; `t_bounds`, if any, tell for each ray beyond which hits
+    /// Finds what all rays of the batch hit; `t_bounds`, if any, tell for each ray beyond which hits
     /// are of no interest.
     fn trace(
         &mut self,
@@ -99,17 +100,34 @@ impl HierarchyEngine {
         t_bounds: Option<&[f32]>,
     ) -> TraceStats {
         let _span = tracing::debug_span!("trace_points").entered();
-        // One batch passes triangles where they lie; for more it pays to write them down.
-        if std::mem::replace(&mut self.has_streamed, true) {
-            self.table.write_triangles();
-        }
+        let update_ns = self.write_for_more();
         let work =
             PointWork { simd: self.config.simd, table: &self.table, rays, question, t_bounds };
         let traced = self.points.trace(&work);
         self.on_faces = traced.is_some();
-        if let Some(stats) = traced {
-            return stats;
+        let mut stats = traced.unwrap_or_else(|| self.trace_tree(rays, question, t_bounds));
+        stats.update_ns += update_ns;
+        stats
+    }
+
+    /// One batch passes triangles where they lie; for more it pays to write them down. Returns the
+    /// nanoseconds that it took.
+    fn write_for_more(&mut self) -> u64 {
+        if !std::mem::replace(&mut self.has_traced, true) {
+            return 0;
         }
+        let start = Instant::now();
+        self.table.write_triangles();
+        start.elapsed().as_nanos() as u64
+    }
+
+    /// Fills `nearest` by the tree of cones.
+    fn trace_tree(
+        &mut self,
+        rays: &RayBatch<'_>,
+        question: Question,
+        t_bounds: Option<&[f32]>,
+    ) -> TraceStats {
         let t_bound = &|ray_idx: usize| t_bounds.map_or(f32::INFINITY, |bounds| bounds[ray_idx]);
         self.table.write_bounds();
         self.arrangement.assign(rays);
@@ -147,7 +165,7 @@ impl RayEngine for HierarchyEngine {
         geometry: &Geometry,
         changes: &FrameChanges,
     ) -> Result<CommitStats, EngineError> {
-        self.has_streamed = false;
+        self.has_traced = false;
         Ok(self.table.commit(geometry, changes))
     }
 

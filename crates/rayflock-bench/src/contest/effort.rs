@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 /// How long a cell is measured, and when an engine is too slow for it.
 ///
 /// First come rounds that do not count, for engines that learn or improve what they keep: as many
-/// as `settling_rounds`, but none is begun after `settling_time`.
+/// as `settling_rounds`, but an engine begins none when it has taken `settling_time`.
 ///
 /// A phase gets `usual_rounds`, unless they would take longer than `phase_time`; then fewer, down
 /// to `min_rounds`. Where frames are so short that they take less than `short_time`, rounds go on

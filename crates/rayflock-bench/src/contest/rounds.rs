@@ -87,7 +87,7 @@ impl Rounds<'_> {
         answers: &mut Answers,
     ) -> Result<(), Stopped> {
         let mut spent = vec![Duration::ZERO; contestants.len()];
-        for _ in (0..self.effort.settling_rounds).step_by(self.phase.frames.len()) {
+        for _ in (0..self.effort.settling_rounds).step_by(self.phase.frames.len().max(1)) {
             let settles: Vec<_> =
                 spent.iter().map(|spent| *spent < self.effort.settling_time).collect();
             for frame in &self.phase.frames {

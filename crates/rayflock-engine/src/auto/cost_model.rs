@@ -35,6 +35,9 @@ const TRIALS: u32 = 3;
 /// smaller part of it, and trying costs more.
 const LONG_NS: [f32; 2] = [2.5e7, 1e8];
 
+/// Nanoseconds that everything takes, also where the clock is too coarse to tell.
+const LEAST_NS: f32 = 1.0;
+
 /// Measured over shipped time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Ratio {
@@ -127,6 +130,7 @@ impl CostModel {
         is_fresh: bool,
         took_ns: f32,
     ) {
+        let took_ns = took_ns.max(LEAST_NS);
         let measured = took_ns / prior::trace_ns(MEMBERS[member_idx], situation, is_fresh);
         let ratios = self.traces.entry((situation.key(), is_fresh)).or_default();
         for (idx, ratio) in ratios.iter_mut().enumerate() {
@@ -136,6 +140,7 @@ impl CostModel {
 
     /// Takes note of what a commit took.
     pub(super) fn learn_commit(&mut self, member_idx: usize, frame: &Frame, took_ns: f32) {
+        let took_ns = took_ns.max(LEAST_NS);
         let shipped = prior::commit_ns(MEMBERS[member_idx], frame);
         self.commits[member_idx].learn(took_ns / shipped, took_ns);
     }
@@ -181,6 +186,18 @@ mod tests {
         learn(&mut model, 1, &here, 2.0 * shipped(1));
         let known = model.trace_ns(1, &here, true);
         assert!((known / (2.0 * shipped(1)) - 1.0).abs() < 1e-5, "what was measured counts");
+    }
+
+    #[test]
+    fn a_coarse_clock_does_no_harm() {
+        let mut model = CostModel::default();
+        let here = situation(4096, RayClass::SharedOrigin);
+        learn(&mut model, 0, &here, 0.0);
+        learn(&mut model, 1, &here, 0.0);
+        for member_idx in 0..MEMBERS.len() {
+            let expected = model.trace_ns(member_idx, &here, false);
+            assert!(expected > 0.0 && expected.is_finite(), "{member_idx}: {expected}");
+        }
     }
 
     #[test]

@@ -101,6 +101,11 @@ impl LeafOrder {
 
     /// Takes note of the spread of this frame. Returns whether the order is to be given up.
     pub(super) fn judge(&mut self, spread: f32) -> bool {
+        if !spread.is_finite() {
+            // All triangles are ignored, so nothing is known of the order when they appear.
+            self.wanted.clear();
+            return false;
+        }
         let Some(curve_spread) = self.curve_spread else {
             self.curve_spread = Some(spread);
             return false;
@@ -164,6 +169,17 @@ mod tests {
         let choices = choices(100, 9.0);
         let tries: Vec<_> = (0..100).filter(|&frame| choices[frame] == Ordering::Keep).collect();
         assert_eq!(tries, [1, 3, 6, 11, 20, 37, 70]);
+    }
+
+    #[test]
+    fn an_order_made_while_nothing_could_be_hit_is_not_kept() {
+        let mut order = LeafOrder::default();
+        order.replace(&lanes(2), 0..32, false);
+        assert!(!order.judge(f32::NAN));
+        assert_eq!(order.choose(&lanes(2)), Ordering::Sort);
+        order.replace(&lanes(2), 0..32, false);
+        assert!(!order.judge(1.0));
+        assert_eq!(order.choose(&lanes(2)), Ordering::Keep);
     }
 
     #[test]

@@ -1,9 +1,8 @@
 //! Reads triangles in the order of the curve, for two leaves at a time.
 //!
-//! The table has the nine coordinates of a triangle in as many columns, which are nine lines of the
-//! cache; a mesh has them in one to four. Rows of the mesh are copied one after the other and then
-//! brought into columns by shuffles. Corners are brought into the world by the operation by which
-//! the table was written, so they are the same bits.
+//! A mesh has the nine coordinates of a triangle in one to four lines of the cache. Its rows are
+//! copied one after the other and then brought into columns by shuffles. Corners are brought into
+//! the world by the operation by which a table would be written, so they are the same bits.
 
 use glam::{Affine3A, Vec3};
 use rayflock_geom::simd::LANES;

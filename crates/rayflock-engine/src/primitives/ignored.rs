@@ -57,7 +57,8 @@ impl AddAssign for Ignored {
 
 /// Counts the primitives that engines ignore: they keep their ids, but no ray hits them.
 ///
-/// **Cost.** One pass over the primitives, in parallel; engines do not look at all of them.
+/// **Cost.** One pass over the primitives, in parallel, and 24 bytes for each of them until then;
+/// engines do not look at all of them.
 pub fn count_ignored(geometry: &Geometry) -> Ignored {
     let mut table = PrimitiveTable::new(SimdLevel::best());
     table.commit(geometry, &FrameChanges::all());

@@ -34,7 +34,11 @@ impl PrimitiveTable {
         if layout_differs {
             self.plan.clear();
             self.plan.resize(objects.len(), Work::CornersAndMasks);
-            self.pending.clone_from(&self.plan);
+            self.pending.clear();
+            self.pending.extend(objects.iter().map(|object| match object.shape.triangles() {
+                [] => Work::Nothing,
+                _ => Work::CornersAndMasks,
+            }));
             self.leaves_out.clear();
             self.leaves_out.resize_with(objects.len(), AtomicBool::default);
             return;
@@ -53,7 +57,9 @@ impl PrimitiveTable {
             } else {
                 Work::CornersAndMasks
             };
-            *pending = (*work).max(*pending);
+            if !object.shape.triangles().is_empty() {
+                *pending = (*work).max(*pending);
+            }
         }
     }
 }

@@ -47,7 +47,7 @@ impl<'a> BlockReader<'a> {
         let first_slot = first_block * LANES;
         Self {
             table,
-            object_idx: table.layout.objects_of_triangles(first_slot..first_slot).start,
+            object_idx: table.layout.objects_of_triangles(first_slot..first_slot + 1).start,
             corners: [TriangleBlock::EMPTY; BLOCKS_PER_READ],
             masks: [[0; LANES]; BLOCKS_PER_READ],
         }

@@ -36,7 +36,7 @@ pub(crate) struct PrimitiveTable {
     pub(super) pending: Vec<Work>,
     /// One for each object: whether some of its triangles were left out when they were written.
     pub(super) leaves_out: Vec<AtomicBool>,
-    /// One for each object: which of its other primitives are ignored.
+    /// One for each object: how many of its other primitives are ignored, and why.
     pub(super) others_ignored: Vec<Ignored>,
     /// Corners of the triangle slots; may be stale, or not there yet.
     pub(super) corners: Vec<TriangleBlock>,
