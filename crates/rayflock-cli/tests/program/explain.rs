@@ -10,7 +10,10 @@ fn every_batch_of_every_frame_is_explained() {
     let said = run.stderr;
     for frame in ["frame 2: ", "frame 3: "] {
         let line = said.lines().find(|line| line.starts_with(frame)).expect("a line a frame");
-        assert!(line.contains(" rays from one point past ") && line.contains("took "), "{line}");
+        assert!(
+            line.contains(" rays of an image from one point past ") && line.contains("took "),
+            "{line}"
+        );
         assert!(line.contains("hierarchy ") && line.contains("bvh "), "{line}");
     }
 }
