@@ -100,7 +100,7 @@ impl HierarchyEngine {
         t_bounds: Option<&[f32]>,
     ) -> TraceStats {
         let _span = tracing::debug_span!("trace_points").entered();
-        let update_ns = self.write_for_more();
+        let update_ns = if rays.is_empty() { 0 } else { self.write_for_more() };
         let work =
             PointWork { simd: self.config.simd, table: &self.table, rays, question, t_bounds };
         let traced = self.points.trace(&work);
