@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use anyhow::Context;
 use rayflock::engine::{CommitStats, Fact, count_ignored};
+use rayflock::geom::Geometry;
 #[cfg(feature = "bench")]
 use rayflock::render::View;
 use rayflock::render::{Film, FrameRenderer, FrameStats};
@@ -207,8 +208,14 @@ fn record(
     }
 }
 
+/// A warning of the primitives that do not count in the frame that `when` tells, if there are any.
+pub(crate) fn ignored_warning(input: &str, when: &str, geometry: &Geometry) -> Option<String> {
+    let ignored = count_ignored(geometry).count() as u64;
+    (ignored > 0).then(|| ignored_text(input, when, ignored, geometry.prim_count() as u64))
+}
+
 /// That `ignored` of `count` primitives do not count in the frame that `when` tells.
-pub(crate) fn ignored_text(input: &str, when: &str, ignored: u64, count: u64) -> String {
+fn ignored_text(input: &str, when: &str, ignored: u64, count: u64) -> String {
     format!(
         "{input}: {when}: {ignored} of {count} primitives are ignored, because they have no \
          area or a coordinate that is not finite"

@@ -223,6 +223,7 @@ impl PrimitiveTable {
     /// The corners of a slot that holds a triangle. Triangles have to be written first.
     #[inline(always)]
     pub(crate) fn triangle(&self, slot: u32) -> [Vec3; 3] {
+        debug_assert!(!self.is_pending(), "a triangle is asked for before it is written");
         self.corners[slot as usize / LANES].get(slot as usize % LANES)
     }
 

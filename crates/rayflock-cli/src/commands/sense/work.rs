@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Context;
-use rayflock::engine::{RayEngine, count_ignored};
+use rayflock::engine::RayEngine;
 use rayflock::geom::Geometry;
 use rayflock::render::sensor::{Scanner, SensorError, Sweep};
 use rayflock::scene::Evaluator;
@@ -13,7 +13,7 @@ use super::scan::Scan;
 use crate::failure::{Blame, Failure};
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
-use crate::session::ignored_text;
+use crate::session::ignored_warning;
 use crate::terminal;
 
 /// What lives from step to step.
@@ -107,22 +107,16 @@ impl<'a> Work<'a> {
             }
             let geometry = self.step(sweep, step_idx)?;
             if step_idx == 0 && done_count == 0 {
-                self.warn_of_ignored(sweep, &geometry, progress);
+                let when = format!("sweep {sweep}");
+                if let Some(text) = ignored_warning(&self.plan.input.name, &when, &geometry) {
+                    progress.say(format_args!("warning: {text}"));
+                }
             }
             progress.advance();
         }
         self.effort.seconds += start.elapsed().as_secs_f64();
         self.count();
         self.write(sweep)
-    }
-
-    fn warn_of_ignored(&self, sweep: u32, geometry: &Geometry, progress: &Progress) {
-        let ignored = count_ignored(geometry).count() as u64;
-        if ignored > 0 {
-            let (when, count) = (format!("sweep {sweep}"), geometry.prim_count() as u64);
-            let text = ignored_text(&self.plan.input.name, &when, ignored, count);
-            progress.say(format_args!("warning: {text}"));
-        }
     }
 
     /// Traces one step; returns the geometry that it saw.

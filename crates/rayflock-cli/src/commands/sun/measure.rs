@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::Context;
 use glam::Vec3;
-use rayflock::engine::{RayEngine, count_ignored};
+use rayflock::engine::RayEngine;
 use rayflock::geom::Geometry;
 use rayflock::render::sun::{SunMeter, SunStep, WorldMesh};
 use rayflock::scene::Evaluator;
@@ -16,7 +16,7 @@ use super::plan::SunPlan;
 use crate::failure::{Blame, Failure};
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
-use crate::session::ignored_text;
+use crate::session::ignored_warning;
 use crate::terminal;
 
 /// What lives from step to step.
@@ -53,10 +53,8 @@ impl<'a> Study<'a> {
         let mut meter = SunMeter::new(engine, plan.sampling, plan.sides);
         let frame = plan.frames.first;
         let (mesh, geometry) = commit(plan, frame, &mut evaluator, &mut meter)?;
-        let ignored = count_ignored(&geometry).count() as u64;
-        if ignored > 0 {
-            let (when, count) = (format!("frame {frame}"), geometry.prim_count() as u64);
-            let text = ignored_text(&plan.input.name, &when, ignored, count);
+        let when = format!("frame {frame}");
+        if let Some(text) = ignored_warning(&plan.input.name, &when, &geometry) {
             terminal::say(format_args!("warning: {text}"));
         }
         let samples = meter.samples();

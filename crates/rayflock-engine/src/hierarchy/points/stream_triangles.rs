@@ -91,8 +91,14 @@ impl Chunk {
         let mut reader = BlockReader::new(table, blocks.start);
         for first in blocks.clone().step_by(BLOCKS_PER_READ) {
             let read = reader.read(simd, first..(first + BLOCKS_PER_READ).min(blocks.end));
-            for (idx, block) in read.corners.iter().zip(read.masks).enumerate() {
-                self.stream_block(simd, table, strips, (first + idx, block), stats);
+            for (idx, (corners, masks)) in read.corners.iter().zip(read.masks).enumerate() {
+                let block = Block {
+                    block_idx: first + idx,
+                    ranks: table.ranks(first + idx),
+                    corners: load_corners(simd, corners),
+                    masks: u32x16::from_slice(simd, masks),
+                };
+                self.stream_block(simd, strips, &block, stats);
             }
         }
     }
@@ -101,26 +107,22 @@ impl Chunk {
     fn stream_block<S: Simd>(
         &mut self,
         simd: S,
-        table: &PrimitiveTable,
         strips: &RayStrips,
-        (block_idx, (corners, masks)): (usize, (&TriangleBlock, &[u32; LANES])),
+        block: &Block<'_, S>,
         stats: &mut TraceStats,
     ) {
-        let corners = load_corners(simd, corners);
-        let masks = u32x16::from_slice(simd, masks);
         stats.bytes += (9 * size_of::<Lanes>()) as u64;
-        let boxes = SpaceBoxes::around(simd, &corners, strips.faces[0].face.center);
-        let block = Block { block_idx, ranks: table.ranks(block_idx), corners, masks };
+        let boxes = SpaceBoxes::around(simd, &block.corners, strips.faces[0].face.center);
         if strips.is_cube() {
             for axis in 0..3 {
                 for (sign, boxed) in boxes.on_sides(simd, axis).iter().enumerate() {
                     let face_idx = 2 * axis + sign;
-                    stats.box_tests += self.stage(simd, strips, &block, boxed, face_idx);
+                    stats.box_tests += self.stage(simd, strips, block, boxed, face_idx);
                 }
             }
         } else {
             let boxed = strips.faces[0].face.place_boxes(simd, &boxes);
-            stats.box_tests += self.stage(simd, strips, &block, &boxed, 0);
+            stats.box_tests += self.stage(simd, strips, block, &boxed, 0);
         }
     }
 
