@@ -50,9 +50,8 @@ impl<S: Simd> TriangleLanes<S> {
         Self { corners: [place.image(a), place.image(b), place.image(c)] }
     }
 
-    /// Which triangles certainly have an area and finite corners. What
-    /// [`is_degenerate_triangle`](crate::is_degenerate_triangle) ignores never counts as certain;
-    /// needles may not either.
+    /// Which triangles certainly have an area and finite corners. What [`is_degenerate_triangle`]
+    /// ignores never counts as certain; needles may not either.
     #[inline(always)]
     pub fn certainly_solid(&self, simd: S) -> mask32x16<S> {
         let [a, b, c] = self.corners;
@@ -64,8 +63,7 @@ impl<S: Simd> TriangleLanes<S> {
         length.simd_gt(error + f32x16::splat(simd, NORMAL_UNDERFLOW))
     }
 
-    /// Which triangles are not ignored, as by
-    /// [`is_degenerate_triangle`](crate::is_degenerate_triangle).
+    /// Which triangles are not ignored, as by [`is_degenerate_triangle`].
     #[inline(always)]
     pub fn solid(&self, simd: S) -> mask32x16<S> {
         let certain = self.certainly_solid(simd);
