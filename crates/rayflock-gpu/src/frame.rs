@@ -23,6 +23,7 @@
 
 mod attributes;
 mod buffers;
+mod deform;
 mod picture;
 mod render_band;
 mod scene_data;
@@ -49,6 +50,9 @@ pub(crate) use self::attributes::{HAS_NORMALS, HAS_UVS, IS_MIRRORED};
 use self::buffers::FrameBuffers;
 #[cfg(test)]
 pub(crate) use self::buffers::{FOLLOWED, MIRRORED, SHADOW};
+use self::deform::Deformer;
+#[cfg(test)]
+pub(crate) use self::deform::{INFLUENCE_WORDS, JOINT_WORDS, TARGET_WORDS};
 use self::picture::{Band, Picture, Rendered};
 use self::scene_data::SceneData;
 use self::stages::FrameStages;
@@ -79,6 +83,7 @@ struct DeviceFrame {
     clock: StageClock,
     primitives: PrimitiveStore,
     attributes: AttributeStore,
+    deformer: Deformer,
     scene: SceneData,
     compute: Compute,
     stages: FrameStages,
@@ -103,6 +108,7 @@ impl GpuRenderer {
             clock: StageClock::new(context),
             primitives: PrimitiveStore::default(),
             attributes: AttributeStore::default(),
+            deformer: Deformer::new(context),
             scene: SceneData::default(),
             compute,
             stages: FrameStages::new(context),
@@ -188,9 +194,18 @@ impl DeviceFrame {
         prepared: &PreparedFrame,
     ) -> Result<CommitStats, RenderError> {
         let (geometry, changes) = (&frame.geometry, &frame.changes);
-        let stats = self.primitives.commit(context, geometry, changes, NAME)?;
-        self.compute.prepare(context, &mut self.clock, &self.primitives);
-        self.attributes.commit(context, frame, &self.primitives);
+        let (deformer, mut made) = (&mut self.deformer, Vec::new());
+        deformer.plan(context, frame);
+        let elsewhere = |object_idx| {
+            let is_made = deformer.can_make(object_idx);
+            made.extend(is_made.then_some(object_idx));
+            is_made
+        };
+        let stats = self.primitives.commit_but(context, geometry, changes, NAME, elsewhere)?;
+        self.attributes.commit(context, frame, &self.primitives, &made);
+        let (clock, attributes) = (&mut self.clock, self.attributes.buffer());
+        self.deformer.make(context, clock, (frame, &made), &self.primitives, attributes);
+        self.compute.prepare(context, clock, &self.primitives);
         self.scene.commit(context, scene, prepared);
         Ok(stats)
     }
@@ -231,6 +246,7 @@ impl DeviceFrame {
         let mut budget = self.clock.budget();
         self.primitives.hold(&mut budget);
         self.attributes.hold(&mut budget);
+        self.deformer.hold(&mut budget);
         self.scene.hold(&mut budget);
         self.compute.hold(&mut budget);
         self.buffers.hold(&mut budget);

@@ -110,6 +110,7 @@ pub(crate) const CAMERA_RAYS: Shader = shader!(
     "shared/ray",
     "shared/limits",
     "shared/intersect",
+    "shared/vector",
     "frame/frame"
 );
 pub(crate) const BEGIN_WAVE: Shader = shader!(
@@ -125,18 +126,21 @@ pub(crate) const SHADE_SURFACE: Shader = shader!(
     "shared/ray",
     "shared/limits",
     "shared/intersect",
+    "shared/vector",
     "frame/frame",
+    "frame/attributes",
     "frame/surface_point",
     "frame/scatter"
 );
 pub(crate) const ADD_EMITTED: Shader =
-    shader!("frame/add_emitted", "shared/ray", "frame/frame", "frame/film");
+    shader!("frame/add_emitted", "shared/ray", "shared/vector", "frame/frame", "frame/film");
 pub(crate) const SHADOW_RAYS: Shader = shader!(
     "frame/shadow_rays",
     "shared/primitive",
     "shared/ray",
     "shared/limits",
     "shared/intersect",
+    "shared/vector",
     "frame/frame",
     "frame/light"
 );
@@ -146,9 +150,20 @@ pub(crate) const ADD_LIT: Shader = shader!(
     "shared/ray",
     "shared/limits",
     "shared/intersect",
+    "shared/vector",
     "frame/frame",
     "frame/film",
     "frame/light"
+);
+
+pub(crate) const DEFORM_VERTICES: Shader =
+    shader!("frame/deform_vertices", "shared/vector", "frame/deformed_object");
+pub(crate) const WRITE_TRIANGLES: Shader = shader!(
+    "frame/write_triangles",
+    "shared/primitive",
+    "shared/vector",
+    "frame/attributes",
+    "frame/deformed_object"
 );
 
 /// Every program.
@@ -180,6 +195,8 @@ pub(crate) const ALL: &[Shader] = &[
     ADD_EMITTED,
     SHADOW_RAYS,
     ADD_LIT,
+    DEFORM_VERTICES,
+    WRITE_TRIANGLES,
 ];
 
 #[cfg(test)]

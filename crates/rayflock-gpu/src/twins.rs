@@ -23,6 +23,9 @@ const BY_ANSWER: &str = "what it finds is compared with the engine `brute` of th
 const BY_PICTURE: &str = "the stage of this name of the renderer on the CPU (rayflock-render); pictures of \
                           both are compared (tests/suite/frames.rs)";
 
+const BY_EVALUATOR: &str = "the frames of `Evaluator` (rayflock-scene), written by the host; what the \
+                            device writes is compared with it (src/frame/deform/tests.rs)";
+
 /// Every stage.
 pub(crate) const TWINS: &[(&str, Twin)] = &[
     ("brute/cross", Twin::Elsewhere(BY_ANSWER)),
@@ -79,6 +82,8 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
         "frame/add_lit",
         Twin::Elsewhere("the stage `accumulate` of the renderer, for what shadow rays decide"),
     ),
+    ("frame/deform_vertices", Twin::Elsewhere(BY_EVALUATOR)),
+    ("frame/write_triangles", Twin::Elsewhere(BY_EVALUATOR)),
 ];
 
 /// A sphere: centre and radius; a negative radius where there is nothing.

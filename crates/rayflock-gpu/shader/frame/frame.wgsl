@@ -93,17 +93,3 @@ fn hash(x: u32) -> u32 {
     let z = (y ^ (y >> 15u)) * 0x846ca68bu;
     return z ^ (z >> 16u);
 }
-
-fn is_finite(v: vec3f) -> bool {
-    let exponents = bitcast<vec3u>(v) & vec3u(0x7f800000u);
-    return all(exponents != vec3u(0x7f800000u));
-}
-
-fn normalize_or(v: vec3f, other: vec3f) -> vec3f {
-    let size = length(v);
-    return select(other, v / size, size > 0.0);
-}
-
-fn largest_of(v: vec3f) -> f32 {
-    return max(max(v.x, v.y), v.z);
-}

@@ -9,11 +9,15 @@ use naga::{Expression, Literal, Module, TypeInner};
 
 use super::{ALL, Shader};
 use crate::compute::{BLOCK_CHUNKS, CHUNK_PRIMS, FAN_OUT, FIRST_NODE, FIRST_ROOT};
-use crate::frame::{FOLLOWED, HAS_NORMALS, HAS_UVS, IS_MIRRORED, MIRRORED, SHADOW};
+use crate::frame::{
+    FOLLOWED, HAS_NORMALS, HAS_UVS, INFLUENCE_WORDS, IS_MIRRORED, JOINT_WORDS, MIRRORED, SHADOW,
+    TARGET_WORDS,
+};
 use crate::layout::{
-    Attributes, Cone, Counters, DIRECTIONAL, DeviceEmitter, DeviceHit, DeviceLight,
-    DevicePrimitive, DeviceRay, EMITTERS, FrameParams, NO_RANK, PATH_BYTES, POINT, POINT_BYTES,
-    Pair, Params, SPHERE, SPOT, Subfield, SubfieldCounters, SubfieldParams, TRIANGLE, TileRange,
+    Attributes, Cone, Counters, DEFORMED_VERTEX_BYTES, DIRECTIONAL, DeformedObject, DeviceEmitter,
+    DeviceHit, DeviceLight, DevicePrimitive, DeviceRay, EMITTERS, FrameParams, NO_RANK, NOWHERE,
+    PATH_BYTES, POINT, POINT_BYTES, Pair, Params, SPHERE, SPOT, Subfield, SubfieldCounters,
+    SubfieldParams, TRIANGLE, TileRange,
 };
 use crate::method::Question;
 use crate::ray_textures::EDGE;
@@ -148,6 +152,34 @@ fn host_and_device_agree_about_every_byte_of_subfields() {
 }
 
 #[test]
+fn host_and_device_agree_about_every_byte_of_deformed_objects() {
+    assert_mirrors!(
+        "DeformedObject",
+        DeformedObject,
+        x_axis,
+        first_vertex,
+        y_axis,
+        vertex_count,
+        z_axis,
+        first_triangle,
+        translation,
+        triangle_count,
+        first_rank,
+        mask,
+        corners,
+        positions,
+        normals,
+        next_positions,
+        next_normals,
+        share,
+        influences,
+        joints,
+        targets,
+        target_count
+    );
+}
+
+#[test]
 fn host_and_device_agree_about_every_byte_of_a_picture() {
     assert_mirrors!(
         "FrameParams",
@@ -207,8 +239,8 @@ fn host_and_device_agree_about_every_byte_of_a_picture() {
         emitter_count
     );
     assert_mirrors!("Emitter", DeviceEmitter, a, kind, b, weight, c, cumulative, radiance, unused);
-    let spans = ["Path", "LitPoint"].map(|name| structure(name).0 as usize);
-    assert_eq!(spans, [PATH_BYTES, POINT_BYTES]);
+    let spans = ["Path", "LitPoint", "DeformedVertex"].map(|name| structure(name).0 as usize);
+    assert_eq!(spans, [PATH_BYTES, POINT_BYTES, DEFORMED_VERTEX_BYTES]);
 }
 
 /// Names and values of the whole numbers that programs state.
@@ -251,6 +283,10 @@ fn host_and_device_have_the_same_constants() {
         ("MIRRORED", MIRRORED as u32),
         ("FOLLOWED", FOLLOWED as u32),
         ("SHADOW", SHADOW as u32),
+        ("NOWHERE", NOWHERE),
+        ("JOINT_WORDS", JOINT_WORDS as u32),
+        ("INFLUENCE_WORDS", INFLUENCE_WORDS as u32),
+        ("TARGET_WORDS", TARGET_WORDS as u32),
     ];
     for (name, value) in expected {
         let stated = found.iter().filter(|(other, _)| other == name).map(|&(_, number)| number);
