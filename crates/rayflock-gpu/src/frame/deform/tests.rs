@@ -11,6 +11,7 @@ use rayflock_scene::{
     VertexFrames, VertexInfluences, VertexKey, builtin,
 };
 
+use crate::GpuContext;
 use crate::frame::GpuRenderer;
 use crate::frame::attributes::AttributeStore;
 use crate::layout::{Attributes, DevicePrimitive};
@@ -170,25 +171,46 @@ fn objects_are_as_the_host_would_write_them() {
     }
 }
 
-/// Once all is there, what moves takes a few numbers a frame; a key is sent when its span begins.
+/// What commits of a new renderer send at these times.
+fn sent<const N: usize>(
+    context: &Arc<GpuContext>,
+    scene: &Arc<Scene>,
+    times: [f64; N],
+) -> [u64; N] {
+    let mut evaluator = Evaluator::new(Arc::clone(scene), None).unwrap();
+    let mut renderer = GpuRenderer::new(context).unwrap();
+    times.map(|time| {
+        let frame = evaluator.evaluate(time).unwrap();
+        let stats = renderer.commit(scene, frame).unwrap();
+        assert!(stats.rewritten_count > 0);
+        renderer.budget().sent_bytes
+    })
+}
+
+/// Once all is there, what moves takes a few numbers a frame.
 #[test]
 fn geometry_does_not_cross_the_bus() {
     let crowd = Arc::new(builtin::build("crowd").unwrap());
     let museum = Arc::new(builtin::build("museum3").unwrap());
     for (scene, times) in [(crowd, [0.1, 0.2, 0.3]), (museum, [3.2, 3.4, 3.6])] {
         for context in contexts() {
-            let mut evaluator = Evaluator::new(Arc::clone(&scene), None).unwrap();
-            let mut renderer = GpuRenderer::new(context).unwrap();
-            let sent = times.map(|time| {
-                let frame = evaluator.evaluate(time).unwrap();
-                let stats = renderer.commit(&scene, frame).unwrap();
-                assert!(stats.rewritten_count > 0);
-                renderer.budget().sent_bytes
-            });
+            let sent = sent(context, &scene, times);
             let name = &scene.name;
             assert!(sent[0] > 100 * sent[2], "{name}: {sent:?}");
             assert_eq!(sent[1], sent[2], "{name}");
         }
+    }
+}
+
+#[test]
+fn a_span_takes_over_the_key_that_ended_the_one_before() {
+    let scene = Arc::new(builtin::build("museum3").unwrap());
+    let key_bytes = 3 * 4_u64.pow(3) * size_of::<Vec3>() as u64;
+    for context in contexts() {
+        // Keys lie at whole seconds; back in the third span, its other key is missing.
+        let sent = sent(context, &scene, [2.5, 2.6, 3.5, 4.5, 3.6, 3.7]);
+        let keys = sent.map(|bytes| (bytes - sent[1]) / key_bytes);
+        assert_eq!(keys[1..], [0, 1, 1, 1, 0], "{sent:?}");
     }
 }
 
