@@ -30,6 +30,7 @@ pub(crate) const BRUTE_CROSS: Shader = shader!(
     "shared/ray",
     "shared/limits",
     "shared/intersect",
+    "shared/order",
     "shared/depth",
     "shared/ray_textures",
     "shared/draw"
@@ -51,6 +52,7 @@ pub(crate) const RASTER_TRACE_TILE: Shader = shader!(
     "shared/limits",
     "shared/intersect",
     "shared/cone",
+    "shared/order",
     "shared/depth",
     "shared/tiles",
     "shared/ray_textures",
@@ -76,10 +78,19 @@ pub(crate) const REFINE: Shader =
     shader!("compute/refine", "shared/cone", "compute/params", "compute/append");
 pub(crate) const PLAN_LISTS: Shader = shader!("compute/plan_lists", "compute/params");
 pub(crate) const FILL_LISTS: Shader = shader!("compute/fill_lists", "compute/params");
-pub(crate) const TRACE_TILE: Shader = shader!(
+/// A stage of which there is one form for cards and one for processors that stand in for them.
+macro_rules! two_forms {
+    ($name:literal, $($shared:literal),*) => {
+        [shader!($name, $($shared,)* "compute/narrow"), shader!($name, $($shared,)* "compute/wide")]
+    };
+}
+
+/// The narrow form, then the wide one.
+pub(crate) const TRACE_TILE: [Shader; 2] = two_forms!(
     "compute/trace_tile",
     "shared/primitive",
     "shared/ray",
+    "shared/order",
     "shared/question",
     "shared/limits",
     "shared/intersect",
@@ -182,7 +193,8 @@ pub(crate) const ALL: &[Shader] = &[
     REFINE,
     PLAN_LISTS,
     FILL_LISTS,
-    TRACE_TILE,
+    TRACE_TILE[0],
+    TRACE_TILE[1],
     BOUND_SCENE,
     MARK_DIRECTIONS,
     OPEN_SUBFIELDS,
