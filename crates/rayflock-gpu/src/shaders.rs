@@ -150,6 +150,17 @@ pub(crate) const ADD_LIT: Shader = shader!(
     "frame/film",
     "frame/light"
 );
+pub(crate) const GATHER_LIGHTS: Shader = shader!(
+    "frame/gather_lights",
+    "shared/ray",
+    "shared/limits",
+    "shared/cone",
+    "frame/frame",
+    "frame/film",
+    "frame/virtual_light",
+    "frame/light_shaft",
+    "frame/past_spheres"
+);
 
 /// Every program.
 #[cfg(test)]
@@ -180,6 +191,7 @@ pub(crate) const ALL: &[Shader] = &[
     ADD_EMITTED,
     SHADOW_RAYS,
     ADD_LIT,
+    GATHER_LIGHTS,
 ];
 
 #[cfg(test)]

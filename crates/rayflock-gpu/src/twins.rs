@@ -4,8 +4,11 @@
 //! Functions have the names of the files in `shader/`; [`TWINS`] says for each stage where its
 //! definition is, or why it has none.
 
+mod gather_lights;
+
 use glam::{DVec2, Vec3};
 
+pub(crate) use self::gather_lights::{InTheWay, LitPoint, gather_lights};
 use crate::layout::{Cone, DevicePrimitive, DeviceRay, SPHERE, TileRange};
 
 /// Where the definition of a stage is.
@@ -79,6 +82,7 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
         "frame/add_lit",
         Twin::Elsewhere("the stage `accumulate` of the renderer, for what shadow rays decide"),
     ),
+    ("frame/gather_lights", Twin::Here),
 ];
 
 /// A sphere: centre and radius; a negative radius where there is nothing.

@@ -9,10 +9,10 @@ mod virtual_lights;
 use glam::{Vec2, Vec3};
 use rayflock_scene::{Background, LightKind, Scene, SceneFrame};
 
+pub use self::virtual_lights::{PreparedVirtualLights, ShotLights};
 use crate::frame_shading::FrameShading;
 pub use crate::lights::emitters::{Emitter, EmitterShape};
 use crate::lights::key_light::SKY_SHARE;
-pub use self::virtual_lights::{PreparedVirtualLights, ShotLights};
 use crate::shading::sampling::subpixel;
 use crate::{Indirect, RenderError, RenderSettings, View};
 

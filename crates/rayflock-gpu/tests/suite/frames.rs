@@ -1,5 +1,7 @@
 //! Whole frames by the device against those by the CPU.
 
+mod virtual_lights;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
