@@ -15,7 +15,8 @@
 //! the rays of a bounce that are written where the next pass reads them, L. Szecsi, "The Hierarchical
 //! Ray Engine", WSCG 2006.
 //!
-//! **Departures** from the renderer of the CPU: sums in `f32`, in any order; primary rays are traced.
+//! **Departures** from the renderer of the CPU: sums in `f32`, in any order; primary rays are traced;
+//! each point asks for itself what it sees of virtual lights.
 //!
 //! **Invariants.** Whatever outgrows its buffer is counted, and read with the picture; then the band
 //! is rendered anew with more room, or fewer rows. Nothing is dropped.

@@ -158,6 +158,7 @@ pub(crate) const GATHER_LIGHTS: Shader = shader!(
     "frame/frame",
     "frame/film",
     "frame/virtual_light",
+    "frame/point_tile",
     "frame/light_shaft",
     "frame/past_spheres"
 );

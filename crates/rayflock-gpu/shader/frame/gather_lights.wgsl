@@ -12,7 +12,6 @@
 @group(0) @binding(4) var<storage, read_write> film: array<atomic<u32>>;
 @group(0) @binding(5) var<uniform> gather: GatherParams;
 
-const TILE_POINTS: u32 = 64u;
 // Spheres that are looked at together: all that a list has room for.
 const BLOCK_SPHERES: u32 = 512u;
 // Places of sums that workgroups share, so that few add to the same one.
@@ -33,14 +32,7 @@ struct GatherParams {
     unused: u32,
 }
 
-var<workgroup> lows: array<vec3f, TILE_POINTS>;
-var<workgroup> highs: array<vec3f, TILE_POINTS>;
 var<workgroup> sums: array<vec4f, TILE_POINTS>;
-// Around the points of the tile; the radius is below 0 where there are none.
-var<workgroup> tile: vec4f;
-// The bits of the largest distance of a point from the middle: floats from 0 on have the order of
-// their bits.
-var<workgroup> radius: atomic<u32>;
 var<workgroup> near: array<Blocker, BLOCK_SPHERES>;
 // They take turns: one is read while the other is made ready.
 var<workgroup> near_counts: array<atomic<u32>, 2>;
@@ -50,24 +42,23 @@ fn gather_lights(@builtin(workgroup_id) group: vec3u,
                  @builtin(local_invocation_index) lane: u32) {
     let point = points[group.x * TILE_POINTS + lane];
     let is_lit = point.pixel != NO_PIXEL;
-    bound_points(lane, point.shadow_position, is_lit);
-    let ball = workgroupUniformLoad(&tile);
-    if (ball.w < 0.0) {
+    let bounds = point_tile(lane, point.shadow_position, point.normal, is_lit);
+    if (bounds.ball.w < 0.0) {
         return;
     }
     var sum = Arriving(vec3f(0.0), 0.0);
     var tests = 0u;
     var turn = 0u;
     for (var light_idx = gather.first_light; light_idx < gather.end_light; light_idx++) {
-        let light = placed(lights[light_idx], ball.xyz, gather.distance);
+        let light = placed(lights[light_idx], bounds.ball.xyz, gather.distance);
         let way = way_to(light, point);
         var beyond_walls = 0.0;
         if (is_lit && is_faced(way)) {
-            beyond_walls = past_walls(point.shadow_position, light.position, ball);
+            beyond_walls = past_walls(point.shadow_position, light.position, bounds.ball);
         }
         var open = select(0.0, 1.0, beyond_walls > 0.0);
         for (var first = 0u; first < gather.sphere_count; first += BLOCK_SPHERES) {
-            tests += find_near(first, light, ball, lane, turn);
+            tests += find_near(first, light, bounds, lane, turn);
             workgroupBarrier();
             tests += pass_near(&open, point, light.position, turn);
             workgroupBarrier();
@@ -83,42 +74,24 @@ fn gather_lights(@builtin(workgroup_id) group: vec3u,
     add_to_sums(group.x, lane, is_lit, sum, tests);
 }
 
-// Leaves the ball around the points of the tile.
-fn bound_points(lane: u32, position: vec3f, is_lit: bool) {
-    lows[lane] = select(vec3f(LARGEST), position, is_lit);
-    highs[lane] = select(vec3f(-LARGEST), position, is_lit);
-    for (var step = TILE_POINTS / 2u; step > 0u; step /= 2u) {
-        workgroupBarrier();
-        if (lane < step) {
-            lows[lane] = min(lows[lane], lows[lane + step]);
-            highs[lane] = max(highs[lane], highs[lane + step]);
-        }
-    }
-    workgroupBarrier();
-    let center = 0.5 * lows[0] + 0.5 * highs[0];
-    if (is_lit) {
-        atomicMax(&radius, bitcast<u32>(distance(position, center)));
-    }
-    workgroupBarrier();
-    if (lane == 0u) {
-        let reach = bitcast<f32>(atomicLoad(&radius)) * (1.0 + 1e-5);
-        tile = select(vec4f(0.0, 0.0, 0.0, -1.0), vec4f(center, reach), lows[0].x <= highs[0].x);
-    }
-}
-
 // Lists those of a block of spheres that may be on the way from a light to some point of the tile;
 // tells how many this invocation looked at.
-fn find_near(first: u32, light: VirtualLight, ball: vec4f, lane: u32, turn: u32) -> u32 {
+fn find_near(first: u32, light: VirtualLight, bounds: PointTile, lane: u32, turn: u32) -> u32 {
     if (lane == 0u) {
         atomicStore(&near_counts[1u - turn], 0u);
     }
-    let shaft = shaft_between(light.position, ball);
+    if (faces_away(bounds, light)) {
+        return 0u;
+    }
+    let shaft = shaft_between(light.position, bounds.ball);
     let end = min(first + BLOCK_SPHERES, gather.sphere_count);
     var looked_at = 0u;
     for (var sphere_idx = first + lane; sphere_idx < end; sphere_idx += TILE_POINTS) {
         looked_at++;
         let sphere = spheres[sphere_idx];
-        if (!shaft_touches(shaft, vec4f(sphere.center, sphere.outer))) {
+        // One whose centre lies behind the planes of all points counts at none.
+        let is_touched = shaft_touches(shaft, vec4f(sphere.center, sphere.outer));
+        if (!is_touched || lies_above(bounds, sphere.center)) {
             continue;
         }
         let blocker = blocker_toward(sphere, sphere_idx, light.position, light.normal);

@@ -21,11 +21,12 @@ use crate::layout::virtual_lights::{
 /// Lights that one dispatch gathers at most: long ones are taken for a fault.
 const LIGHTS_AT_ONCE: usize = 256;
 
-/// Turns of all loops of an invocation together, at most, some for sums left out. The driver llvmpipe
-/// leaves every loop after 65535, without a word.
+/// Turns of all loops of an invocation in one dispatch at most; the rest is for sums. The driver
+/// llvmpipe ends every loop after 65535 turns together, without a word.
 const TURNS_AT_ONCE: usize = 65_000;
 
-/// Lights that a binding may hold, and spheres and walls past which a single light takes fewer turns.
+/// Lights that a binding may hold; and as many spheres and walls as a single light can be gathered
+/// past in that many turns.
 const MOST: [usize; 3] = [(128 << 20) / size_of::<DeviceVirtualLight>(), 1 << 15, 1 << 14];
 const KINDS: [&str; 3] = ["virtual lights", "spheres in place of geometry", "walls around it"];
 

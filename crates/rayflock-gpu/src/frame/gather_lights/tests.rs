@@ -84,7 +84,7 @@ impl Asked {
 }
 
 fn point(rng: &mut Rng, idx: usize) -> LitPoint {
-    let is_lit = idx < 128 && (idx >= 64 || idx % 3 == 0);
+    let is_lit = idx < 128 && (idx >= 64 || idx.is_multiple_of(3));
     let normal = (Vec3::Z + 0.5 * rng.in_cube()).normalize();
     let is_shiny = rng.one_in(2);
     LitPoint {
