@@ -15,8 +15,8 @@
 //! the rays of a bounce that are written where the next pass reads them, L. Szecsi, "The Hierarchical
 //! Ray Engine", WSCG 2006.
 //!
-//! **Departures** from the renderer of the CPU: sums in `f32`, in any order; primary rays are traced;
-//! each point asks for itself what it sees of virtual lights.
+//! **Departures** from the renderer of the CPU: sums in `f32`, in any order; primary rays are
+//! traced; each point asks for itself what it sees of virtual lights.
 //!
 //! **Invariants.** Whatever outgrows its buffer is counted, and read with the picture; then the band
 //! is rendered anew with more room, or fewer rows. Nothing is dropped.
@@ -52,7 +52,7 @@ use self::buffers::FrameBuffers;
 #[cfg(test)]
 pub(crate) use self::buffers::{FOLLOWED, MIRRORED, SHADOW};
 #[cfg(test)]
-pub(crate) use self::gather_lights::SUM_PLACES;
+pub(crate) use self::gather_lights::{BLOCK_SPHERES, SUM_PLACES};
 use self::picture::{Band, Picture, Rendered};
 use self::scene_data::SceneData;
 use self::stages::FrameStages;

@@ -71,7 +71,8 @@ fn blocker_toward(sphere: SoftSphere, sphere_idx: u32, light: vec3f, normal: vec
 }
 
 // The share of a light that one sphere takes away from a point with a unit normal.
-fn taken_by(sphere: SoftSphere, blocker: Blocker, point: vec3f, normal: vec3f, light: vec3f) -> f32 {
+fn taken_by(sphere: SoftSphere, blocker: Blocker, point: vec3f, normal: vec3f,
+            light: vec3f) -> f32 {
     // Squared lengths, as the sphere counts them: from the point to the centre and to the light,
     // and the product of both ways.
     let offset = sphere.center - point;

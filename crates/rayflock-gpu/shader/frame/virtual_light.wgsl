@@ -1,4 +1,5 @@
-// Virtual lights: what one sends to a point, were nothing in the way, and what the point sends back.
+// Virtual lights: what one sends to a point, were nothing in the way, and what the point sends
+// back.
 
 const PLAIN: u32 = 0u;
 // With a highlight, or under varnish.

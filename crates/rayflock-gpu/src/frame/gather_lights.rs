@@ -21,8 +21,9 @@ use crate::layout::virtual_lights::GatherParams;
 use crate::pass::StageEncoder;
 use crate::shaders::GATHER_LIGHTS;
 
-/// Places of sums, as in `frame/gather_lights.wgsl`.
+/// Places of sums, and spheres of a list, as in `frame/gather_lights.wgsl`.
 pub(crate) const SUM_PLACES: usize = 64;
+pub(crate) const BLOCK_SPHERES: usize = 512;
 
 /// Bytes of the sums.
 pub(super) const SUM_BYTES: usize = SUM_PLACES * size_of::<[f32; 4]>();
@@ -39,8 +40,8 @@ pub(super) struct GatherSums {
 }
 
 impl DeviceFrame {
-    /// Adds what all virtual lights send to the points of the wave; sums lie behind those of so many
-    /// pixels.
+    /// Adds what all virtual lights send to the points of the wave; sums lie behind those of
+    /// `pixel_count` pixels.
     pub(super) fn gather_lights(
         &mut self,
         context: &GpuContext,

@@ -11,12 +11,14 @@ use rayflock_scene::SceneFrame;
 use wgpu::{Buffer, BufferUsages};
 
 use super::cannot;
+use super::gather_lights::BLOCK_SPHERES;
 use super::picture::Picture;
 use crate::GpuContext;
 use crate::buffer::GrowingBuffer;
 use crate::layout::virtual_lights::{
     DeviceSoftSphere, DeviceVirtualLight, DeviceWall, GatherParams,
 };
+use crate::slots::TILE_RAYS;
 
 /// Lights that one dispatch gathers at most: long ones are taken for a fault.
 const LIGHTS_AT_ONCE: usize = 256;
@@ -78,13 +80,7 @@ impl VirtualLightStore {
         let shot = self.prepared.shoot(frame, view, settings, stats);
         let shot = shot.map_err(|error| cannot(&format!("virtual lights ({error})")))?;
         let ShotLights { lights, bound, distance, spheres, walls } = shot;
-        let counts = [lights.len(), spheres.len(), walls.len()];
-        for ((count, most), what) in counts.into_iter().zip(MOST).zip(KINDS) {
-            if count > most {
-                return Err(cannot(&format!("{count} {what}, but {most}")));
-            }
-        }
-
+        check_room([lights.len(), spheres.len(), walls.len()])?;
         let of_light = |light_idx| DeviceVirtualLight::new(lights, light_idx);
         write(&mut self.lights, context, (0..lights.len()).map(of_light));
         write(&mut self.spheres, context, spheres.iter().map(DeviceSoftSphere::from));
@@ -107,8 +103,9 @@ impl VirtualLightStore {
     ) -> impl Iterator<Item = GatherParams> + use<> {
         let (common, light_count) = (self.common, self.light_count);
         let (spheres, walls) = (common.sphere_count as usize, common.wall_count as usize);
-        // Spheres are listed 64 at a time, 512 a list, and none may be left out of the lists.
-        let turns = 1 + walls + spheres + spheres.div_ceil(64) + spheres.div_ceil(512);
+        // At worst a point goes through all walls and spheres, after looking for these.
+        let lists = spheres.div_ceil(BLOCK_SPHERES);
+        let turns = 1 + walls + spheres + spheres.div_ceil(TILE_RAYS) + lists;
         let at_once = (TURNS_AT_ONCE / turns).clamp(1, LIGHTS_AT_ONCE);
         (0..light_count).step_by(at_once).map(move |first_light| GatherParams {
             first_light: first_light as u32,
@@ -138,6 +135,16 @@ impl VirtualLightStore {
         let buffers = [&self.lights, &self.spheres, &self.walls, &self.params];
         buffers.iter().for_each(|buffer| buffer.hold(budget));
     }
+}
+
+/// Whether so many lights, spheres and walls can be gathered; `Err` tells what cannot.
+fn check_room(counts: [usize; 3]) -> Result<(), String> {
+    for ((count, most), what) in counts.into_iter().zip(MOST).zip(KINDS) {
+        if count > most {
+            return Err(cannot(&format!("{count} {what}, but {most}")));
+        }
+    }
+    Ok(())
 }
 
 /// Makes `entries` the beginning of a buffer, which has room for one at least.
@@ -189,6 +196,13 @@ mod tests {
             let told = beyond_device(&indirect).unwrap_or_default();
             assert!(told.contains(reason), "{indirect:?}: {told}");
         }
+    }
+
+    #[test]
+    fn too_many_spheres_are_refused() {
+        assert_eq!(check_room(MOST), Ok(()));
+        let refused = check_room([1, MOST[1] + 1, 1]).unwrap_err();
+        assert!(refused.contains("32769 spheres in place of geometry, but 32768"), "{refused}");
     }
 
     #[test]

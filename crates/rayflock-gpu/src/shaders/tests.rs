@@ -10,7 +10,9 @@ use rayflock_geom::simd::segment_spheres::{AT_END, DARK, RISE};
 
 use super::{ALL, GATHER_LIGHTS, Shader};
 use crate::compute::{BLOCK_CHUNKS, CHUNK_PRIMS, FAN_OUT, FIRST_NODE, FIRST_ROOT};
-use crate::frame::{FOLLOWED, HAS_NORMALS, HAS_UVS, IS_MIRRORED, MIRRORED, SHADOW, SUM_PLACES};
+use crate::frame::{
+    BLOCK_SPHERES, FOLLOWED, HAS_NORMALS, HAS_UVS, IS_MIRRORED, MIRRORED, SHADOW, SUM_PLACES,
+};
 use crate::layout::virtual_lights::{
     DISTANT, DeviceSoftSphere, DeviceVirtualLight, DeviceWall, GatherParams, LOBED, PLAIN,
 };
@@ -329,6 +331,8 @@ fn host_and_device_have_the_same_constants() {
         ("LOBED", LOBED),
         ("DISTANT", DISTANT),
         ("SUM_PLACES", SUM_PLACES as u32),
+        ("BLOCK_SPHERES", BLOCK_SPHERES as u32),
+        ("TILE_POINTS", TILE_RAYS as u32),
     ];
     for (name, value) in expected {
         let stated = found.iter().filter(|(other, _)| other == name).map(|&(_, number)| number);

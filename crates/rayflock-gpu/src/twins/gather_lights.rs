@@ -38,8 +38,8 @@ pub(crate) struct InTheWay<'a> {
     pub(crate) walls: &'a [DeviceWall],
 }
 
-/// The radiance that lights add to a point, geometry terms counting up to `bound`, and the sum of the
-/// colours that the bound keeps away. Distant lights go `distance` away from `center`.
+/// The radiance that lights add to a point, geometry terms counting up to `bound`, and the sum of
+/// the colours that the bound keeps away. Distant lights go `distance` away from `center`.
 pub(crate) fn gather_lights(
     point: &LitPoint,
     lights: &[DeviceVirtualLight],

@@ -61,8 +61,8 @@ impl PreparedVirtualLights {
     }
 
     /// Shoots the virtual lights that `settings` ask for in the frame that was committed last, of
-    /// which `frame` was prepared, and fits spheres if visibility is asked of them. `stats` are told
-    /// what that took.
+    /// which `frame` was prepared, and fits spheres if visibility is asked of them. `stats` are
+    /// told what that took.
     ///
     /// # Errors
     /// [`RenderError`] when the engine does not take the frame.

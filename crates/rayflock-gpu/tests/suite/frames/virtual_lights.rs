@@ -6,12 +6,10 @@ use rayflock_engine::Clock;
 use rayflock_gpu::{GpuContext, GpuRenderer};
 use rayflock_render::occluders::SphereSettings;
 use rayflock_render::vpl::{Visibility, VplSettings};
-use rayflock_render::{
-    Film, FrameRenderer, FrameStats, Indirect, IndirectStats, RenderSettings, View,
-};
-use rayflock_scene::{Evaluator, Scene, builtin, frame_bounds};
+use rayflock_render::{Film, FrameRenderer, FrameStats, Indirect, IndirectStats, RenderSettings};
+use rayflock_scene::{Scene, builtin};
 
-use super::{MEAN_DIFFERENCE, MEAN_FLIP, SIZE, difference, on_cpu};
+use super::{MEAN_DIFFERENCE, MEAN_FLIP, difference, on_cpu, render_by};
 use crate::device::contexts;
 
 /// The same for pictures of which points on the CPU share what they see: mean difference, FLIP.
@@ -26,20 +24,8 @@ fn render(
     time: f64,
     indirect: Indirect,
 ) -> (Film, FrameStats) {
-    let mut evaluator = Evaluator::new(Arc::clone(scene), None).unwrap();
-    let bounds = evaluator.bounds_over_clip().unwrap();
-    let frame = evaluator.evaluate(time).unwrap();
-    let [width, height] = SIZE;
-    let (world_from_camera, projection) = match scene.cameras.first() {
-        Some(camera) => (frame.cameras[0], camera.projection),
-        None => frame_bounds(&bounds, width as f32 / height as f32),
-    };
-    renderer.commit(scene, frame).unwrap();
-    let mut film = Film::new(width, height);
-    let view = View::new(world_from_camera, projection);
     let settings = RenderSettings { indirect, ..RenderSettings::default() };
-    let stats = renderer.render(&view, &settings, &mut film);
-    (film, stats)
+    render_by(renderer, scene, &[time], &settings).remove(0)
 }
 
 /// A renderer on each device, for all pictures of a test.
