@@ -9,12 +9,14 @@
 //!    **add_emitted** brings the light to the film.
 //! 4. For each light, **shadow_rays** between it and the points, the stages of the engine once more,
 //!    and **add_lit**.
+//! 5. **gather_lights** adds what virtual lights send past spheres, where there are any.
 //!
 //! **Source.** T. Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980; for
 //! the rays of a bounce that are written where the next pass reads them, L. Szecsi, "The Hierarchical
 //! Ray Engine", WSCG 2006.
 //!
-//! **Departures** from the renderer of the CPU: sums in `f32`, in any order; primary rays are traced.
+//! **Departures** from the renderer of the CPU: sums in `f32`, in any order; primary rays are
+//! traced; each point asks for itself what it sees of virtual lights.
 //!
 //! **Invariants.** Whatever outgrows its buffer is counted, and read with the picture; then the band
 //! is rendered anew with more room, or fewer rows. Nothing is dropped.
@@ -24,6 +26,7 @@
 mod attributes;
 mod buffers;
 mod deform;
+mod gather_lights;
 mod picture;
 mod render_band;
 mod scene_data;
@@ -32,15 +35,14 @@ mod standby;
 #[cfg(test)]
 mod tests;
 mod trace_log;
+mod virtual_lights;
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use rayflock_engine::{Budget, CommitStats};
 use rayflock_render::prepared::PreparedFrame;
-use rayflock_render::{
-    Film, FrameRenderer, FrameStats, Indirect, RenderError, RenderSettings, Shown, View,
-};
+use rayflock_render::{Film, FrameRenderer, FrameStats, RenderError, RenderSettings, Shown, View};
 use rayflock_scene::{Scene, SceneFrame};
 use tracing::debug_span;
 
@@ -53,11 +55,14 @@ pub(crate) use self::buffers::{FOLLOWED, MIRRORED, SHADOW};
 use self::deform::Deformer;
 #[cfg(test)]
 pub(crate) use self::deform::{INFLUENCE_WORDS, JOINT_WORDS, TARGET_WORDS};
+#[cfg(test)]
+pub(crate) use self::gather_lights::{BLOCK_SPHERES, SUM_PLACES};
 use self::picture::{Band, Picture, Rendered};
 use self::scene_data::SceneData;
 use self::stages::FrameStages;
 use self::standby::FrameStandby;
 use self::trace_log::TraceLog;
+use self::virtual_lights::{VirtualLightStore, beyond_device};
 use crate::compute::Compute;
 use crate::method::Method;
 use crate::primitives::PrimitiveStore;
@@ -89,6 +94,7 @@ struct DeviceFrame {
     stages: FrameStages,
     buffers: FrameBuffers,
     log: TraceLog,
+    virtual_lights: VirtualLightStore,
     /// Why the device cannot render the committed frame, if it cannot.
     refused: Option<String>,
 }
@@ -114,6 +120,7 @@ impl GpuRenderer {
             stages: FrameStages::new(context),
             buffers: FrameBuffers::new(),
             log: TraceLog::new(),
+            virtual_lights: VirtualLightStore::default(),
             refused: None,
         };
         context.check()?;
@@ -139,6 +146,7 @@ impl FrameRenderer for GpuRenderer {
     fn commit(&mut self, scene: &Scene, frame: &SceneFrame) -> Result<CommitStats, RenderError> {
         let _span = debug_span!("commit_frame").entered();
         self.prepared = None;
+        self.device.virtual_lights.commit(frame);
         let prepared = PreparedFrame::new(scene, frame)?;
         let on_cpu = self.standby.commit(scene, frame)?;
         let device = &mut self.device;
@@ -220,6 +228,8 @@ impl DeviceFrame {
         let start = Instant::now();
         let (width, height) = (film.width(), film.height());
         let mut stats = FrameStats::default();
+        self.virtual_lights.prepare(context, picture, &mut stats)?;
+        let gathered_before = self.gather_seconds();
         let mut rows_at_once = picture.rows_at_once(width);
         let mut first_row = 0;
         while first_row < height {
@@ -238,6 +248,7 @@ impl DeviceFrame {
                 Err(fault) => return Err(lost(&fault)),
             }
         }
+        stats.indirect.gather_seconds = self.gather_seconds() - gathered_before;
         stats.trace_seconds = start.elapsed().as_secs_f64();
         Ok(stats)
     }
@@ -251,6 +262,7 @@ impl DeviceFrame {
         self.compute.hold(&mut budget);
         self.buffers.hold(&mut budget);
         self.log.hold(&mut budget);
+        self.virtual_lights.hold(&mut budget);
         budget
     }
 }
@@ -275,8 +287,8 @@ fn unsupported(settings: &RenderSettings, width: usize) -> Option<String> {
     if settings.shown != Shown::Light {
         return Some(cannot(&format!("the view \"{}\"", settings.shown)));
     }
-    if settings.indirect != Indirect::Off {
-        return Some(cannot("light from virtual lights"));
+    if let Some(what) = beyond_device(&settings.indirect) {
+        return Some(cannot(what));
     }
     (width > picture::MOST_COLUMNS).then(|| cannot(&format!("rows of {width} pixels")))
 }

@@ -6,6 +6,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
+pub(crate) mod virtual_lights;
+
 /// `Primitive` of `shared/primitive.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -193,6 +195,10 @@ pub(crate) struct FrameParams {
     pub(crate) subpixel: [f32; 2],
     pub(crate) first_slot: u32,
     pub(crate) next_first_slot: u32,
+    pub(crate) conserves: u32,
+    pub(crate) unused_a: u32,
+    pub(crate) unused_b: u32,
+    pub(crate) unused_c: u32,
 }
 
 /// Bytes of a `Path` and of a `LitPoint` of `frame/frame.wgsl`, which the device keeps to itself.

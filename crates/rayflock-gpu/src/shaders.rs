@@ -166,6 +166,19 @@ pub(crate) const ADD_LIT: Shader = shader!(
     "frame/film",
     "frame/light"
 );
+pub(crate) const GATHER_LIGHTS: Shader = shader!(
+    "frame/gather_lights",
+    "shared/ray",
+    "shared/limits",
+    "shared/cone",
+    "shared/vector",
+    "frame/frame",
+    "frame/film",
+    "frame/virtual_light",
+    "frame/point_tile",
+    "frame/light_shaft",
+    "frame/past_spheres"
+);
 
 pub(crate) const DEFORM_VERTICES: Shader =
     shader!("frame/deform_vertices", "shared/vector", "frame/deformed_object");
@@ -209,6 +222,7 @@ pub(crate) const ALL: &[Shader] = &[
     ADD_LIT,
     DEFORM_VERTICES,
     WRITE_TRIANGLES,
+    GATHER_LIGHTS,
 ];
 
 #[cfg(test)]

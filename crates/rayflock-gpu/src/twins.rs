@@ -4,8 +4,11 @@
 //! Functions have the names of the files in `shader/`; [`TWINS`] says for each stage where its
 //! definition is, or why it has none.
 
+mod gather_lights;
+
 use glam::{DVec2, Vec3};
 
+pub(crate) use self::gather_lights::{InTheWay, LitPoint, gather_lights};
 use crate::layout::{Cone, DevicePrimitive, DeviceRay, SPHERE, TileRange};
 
 /// Where the definition of a stage is.
@@ -84,6 +87,7 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
     ),
     ("frame/deform_vertices", Twin::Elsewhere(BY_EVALUATOR)),
     ("frame/write_triangles", Twin::Elsewhere(BY_EVALUATOR)),
+    ("frame/gather_lights", Twin::Here),
 ];
 
 /// A sphere: centre and radius; a negative radius where there is nothing.

@@ -37,6 +37,11 @@ struct FrameParams {
     // The halves of this wave and of the next one.
     first_slot: u32,
     next_first_slot: u32,
+    // Whether surfaces that would send back more light than arrives are scaled down.
+    conserves: u32,
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
 }
 
 // What a ray carries besides its geometry.

@@ -7,6 +7,7 @@ use rayflock_render::prepared::{PictureLights, PreparedFrame, sample_place};
 use rayflock_render::{FrameStats, Lens, RenderSettings, StageStats, View};
 use rayflock_scene::{Background, Falloff, LightKind};
 
+use super::gather_lights::GatherSums;
 use crate::layout::{DIRECTIONAL, DeviceLight, EMITTERS, FrameParams, POINT, SPOT};
 use crate::slots::{RUN_SLOTS, TILE_RAYS};
 
@@ -21,7 +22,8 @@ pub(super) const MOST_COLUMNS: usize = RUN_SLOTS / TILE;
 pub(super) struct Picture<'a> {
     pub(super) settings: RenderSettings,
     pub(super) lights: PictureLights,
-    view: &'a View,
+    pub(super) prepared: &'a PreparedFrame,
+    pub(super) view: &'a View,
 }
 
 /// Some rows of a picture.
@@ -48,6 +50,7 @@ pub(super) struct BandStats {
     pub(super) secondary: TraceStats,
     pub(super) shadow: TraceStats,
     pub(super) mirror_rays: u64,
+    pub(super) gathered: GatherSums,
 }
 
 impl BandStats {
@@ -65,12 +68,17 @@ impl BandStats {
         stats.rays.shadow += self.shadow.rays;
         stats.rays.mirror += self.mirror_rays;
         stats.rays.refraction += self.secondary.rays - self.mirror_rays;
+        self.gathered.add_to(stats);
     }
 }
 
 impl<'a> Picture<'a> {
-    pub(super) fn new(prepared: &PreparedFrame, view: &'a View, settings: RenderSettings) -> Self {
-        Self { lights: prepared.lights(view, &settings), settings, view }
+    pub(super) fn new(
+        prepared: &'a PreparedFrame,
+        view: &'a View,
+        settings: RenderSettings,
+    ) -> Self {
+        Self { lights: prepared.lights(view, &settings), settings, prepared, view }
     }
 
     /// Rows whose rays a wave may hold.
@@ -106,6 +114,7 @@ impl<'a> Picture<'a> {
             horizon,
             ground,
             ambient: self.lights.ambient.to_array(),
+            conserves: u32::from(self.lights.conserves),
             subpixel: sample_place(sample_idx).to_array(),
             ..FrameParams::default()
         }
