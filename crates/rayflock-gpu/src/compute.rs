@@ -1,14 +1,17 @@
 //! A tree of cones over the rays, and pairs of cones and chunks refined by compaction: today's form
 //! of the hierarchical ray engine.
 //!
-//! 1. **bound_chunks** and **bound_blocks** write the spheres around each chunk of 16 consecutive
-//!    primitives and each block of 16 chunks, when a frame is committed.
-//! 2. **bound_tiles** and **bound_nodes** compute the cones of tiles of 64 rays, of 16 tiles, and of
+//! 1. When a frame is committed, primitives are brought into an order ([`bucket_order`]);
+//!    **bound_chunks** and **bound_blocks** write the spheres around each chunk of 16 consecutive
+//!    ones and each block of 16 chunks.
+//! 2. Rays that were born on the device, as those of a bounce, are brought into an order as well
+//!    ([`ray_order`]).
+//! 3. **bound_tiles** and **bound_nodes** compute the cones of tiles of 64 rays, of 16 tiles, and of
 //!    16 of those, bottom up.
-//! 3. **seed_pairs** asks the roots about all blocks; **refine** asks the children of each pair, two
+//! 4. **seed_pairs** asks the roots about all blocks; **refine** asks the children of each pair, two
 //!    times. What touches is appended, and the next stage is dispatched by its count.
-//! 4. **plan_lists** and **fill_lists** bring the blocks of each tile together.
-//! 5. **trace_tile** goes through their chunks from near to far, one workgroup a tile; rays that
+//! 5. **plan_lists** and **fill_lists** bring the blocks of each tile together.
+//! 6. **trace_tile** goes through their chunks from near to far, one workgroup a tile; rays that
 //!    share few of them go on alone. On cards four invocations have a ray in common.
 //!
 //! **Source.** L. Szecsi, "The Hierarchical Ray Engine", WSCG 2006; D. Roger, U. Assarsson, N.
@@ -24,7 +27,9 @@
 //!
 //! **Cost.** Roots times blocks, and what is left of them; 20 bytes of pairs and lists each.
 
+mod bucket_order;
 mod buffers;
+mod ray_order;
 mod stages;
 #[cfg(test)]
 mod tests;
@@ -34,7 +39,13 @@ use std::ops::Range;
 use rayflock_engine::Budget;
 use wgpu::{Buffer, CommandEncoder};
 
+use self::bucket_order::BucketOrder;
+#[cfg(test)]
+pub(crate) use self::bucket_order::{CELLS_EACH, PLACERS};
 use self::buffers::Buffers;
+#[cfg(test)]
+pub(crate) use self::ray_order::KEY_BITS;
+use self::ray_order::RayOrder;
 pub(crate) use self::stages::Form;
 use self::stages::Stages;
 use crate::buffer::{GrowingBuffer, part_of, range_of};
@@ -67,9 +78,9 @@ const SPHERE_BYTES: usize = 16;
 pub(crate) struct Compute {
     stages: Stages,
     buffers: Buffers,
-    /// The spheres around the chunks of each part of the primitives.
-    chunks: Vec<GrowingBuffer>,
-    /// Those around the blocks.
+    order: BucketOrder,
+    ray_order: RayOrder,
+    /// The spheres around the blocks of each part of the primitives.
     blocks: Vec<GrowingBuffer>,
     pair_capacity: usize,
     largest_capacity: usize,
@@ -94,6 +105,8 @@ pub(crate) struct Wave<'a> {
     pub(crate) hits: &'a Buffer,
     pub(crate) first_tile: usize,
     pub(crate) tile_count: usize,
+    /// Whether neighbours have little in common.
+    pub(crate) is_unordered: bool,
     pub(crate) question: Question,
 }
 
@@ -170,7 +183,8 @@ impl Compute {
         Self {
             stages: Stages::new(context, form),
             buffers: Buffers::new(),
-            chunks: Vec::new(),
+            order: BucketOrder::new(context),
+            ray_order: RayOrder::new(context),
             blocks: Vec::new(),
             pair_capacity,
             largest_capacity,
@@ -234,11 +248,35 @@ impl Compute {
         for (part_idx, part) in primitives.parts().enumerate() {
             let tiles = wave.first_tile..wave.first_tile + wave.tile_count;
             let (rays, hits) = (wave.rays.clone(), wave.hits.clone());
-            let span = Span { part, part_idx, rays, hits, tiles, question: wave.question };
+            let mut span = Span { part, part_idx, rays, hits, tiles, question: wave.question };
+            if wave.is_unordered {
+                // The first part's order serves for all.
+                self.order_rays(context, clock, &mut span, part_idx == 0);
+            }
             let mut encoder = self.encode_span(context, clock, &span);
             log(&mut encoder.encoder, self.buffers.counter_buffer(), span.asked());
             encoder.submit();
         }
+    }
+
+    /// Brings the rays of a span into an order in which neighbours are alike, unless they are.
+    fn order_rays(
+        &mut self,
+        context: &GpuContext,
+        clock: &mut StageClock,
+        span: &mut Span<'_>,
+        is_new: bool,
+    ) {
+        let ray_count = span.tiles.len() * TILE_RAYS;
+        if is_new {
+            self.ray_order.reserve(context, ray_count);
+            let mut encoder = StageEncoder::new(context, clock);
+            let rays = (rays_of(span), ray_count);
+            self.ray_order.order(&mut encoder, rays, self.order.bounds());
+            encoder.submit();
+        }
+        span.rays = self.ray_order.ordered().clone();
+        span.tiles = 0..span.tiles.len();
     }
 
     /// Makes room for so many pairs, if there is not enough.
@@ -330,8 +368,8 @@ impl Compute {
         let resources = [
             rays_of(span),
             span.hits.as_entire_binding(),
-            part_of(span.part.buffer, span.part.bytes()),
-            self.chunks_of(span),
+            self.order.ordered(span.part_idx, span.part),
+            self.order.chunks(span.part_idx, span.part),
             b.cones(),
             b.ranges(),
             b.list(),
@@ -339,10 +377,6 @@ impl Compute {
             b.params(),
         ];
         encoder.stage(&self.stages.trace_tile, &resources, Groups::Count(span.tiles.len()));
-    }
-
-    fn chunks_of(&self, span: &Span<'_>) -> wgpu::BindingResource<'_> {
-        part_of(self.chunks[span.part_idx].buffer(), span.chunk_count() * SPHERE_BYTES)
     }
 
     fn blocks_of(&self, span: &Span<'_>) -> wgpu::BindingResource<'_> {
@@ -363,21 +397,15 @@ impl Method for Compute {
         clock: &mut StageClock,
         primitives: &PrimitiveStore,
     ) {
-        let part_count = primitives.parts().count();
-        self.chunks.resize_with(part_count, || GrowingBuffer::storage("chunks"));
-        self.blocks.resize_with(part_count, || GrowingBuffer::storage("blocks"));
+        self.blocks.resize_with(primitives.parts().count(), || GrowingBuffer::storage("blocks"));
         let mut encoder = StageEncoder::new(context, clock);
-        let spheres = self.chunks.iter_mut().zip(&mut self.blocks);
-        for (part, (chunks, blocks)) in primitives.parts().zip(spheres) {
-            let chunk_count = part.count.div_ceil(CHUNK_PRIMS);
-            let block_count = chunk_count.div_ceil(BLOCK_CHUNKS);
-            let [chunk_bytes, block_bytes] = [chunk_count, block_count].map(|n| n * SPHERE_BYTES);
-            let chunks = part_of(chunks.reserve(context, chunk_bytes), chunk_bytes);
+        self.order.order(&mut encoder, primitives);
+        for ((part_idx, part), blocks) in primitives.parts().enumerate().zip(&mut self.blocks) {
+            let block_count = part.count.div_ceil(CHUNK_PRIMS * BLOCK_CHUNKS);
+            let block_bytes = block_count * SPHERE_BYTES;
             let blocks = part_of(blocks.reserve(context, block_bytes), block_bytes);
-            let resources = [part_of(part.buffer, part.bytes()), chunks.clone()];
-            let groups = Groups::Count(chunk_count.div_ceil(64));
-            encoder.stage(&self.stages.bound_chunks, &resources, groups);
             let groups = Groups::Count(block_count.div_ceil(64));
+            let chunks = self.order.chunks(part_idx, part);
             encoder.stage(&self.stages.bound_blocks, &[chunks, blocks], groups);
         }
         encoder.submit();
@@ -406,6 +434,8 @@ impl Method for Compute {
 
     fn hold(&self, budget: &mut Budget) {
         self.buffers.hold(budget);
-        self.chunks.iter().chain(&self.blocks).for_each(|spheres| spheres.hold(budget));
+        self.order.hold(budget);
+        self.ray_order.hold(budget);
+        self.blocks.iter().for_each(|blocks| blocks.hold(budget));
     }
 }

@@ -97,6 +97,16 @@ pub(crate) struct Params {
     pub(crate) question: u32,
 }
 
+/// `CellParams` of `compute/cells.wgsl`.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct CellParams {
+    pub(crate) finest: u32,
+    pub(crate) cell_count: u32,
+    pub(crate) unused_a: u32,
+    pub(crate) unused_b: u32,
+}
+
 /// `Counters` of `compute/params.wgsl`.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]

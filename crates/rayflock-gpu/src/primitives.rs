@@ -24,6 +24,10 @@ use crate::layout::{DevicePrimitive, SPHERE, TRIANGLE};
 /// Primitives in a part: 96 of the 128 MiB that a binding may hold.
 pub(crate) const PART_PRIMS: usize = 1 << 21;
 
+/// Bytes of the box that `shared/bound_scene.wgsl` computes, and primitives of its workgroups.
+pub(crate) const BOX_BYTES: usize = 24;
+pub(crate) const BOUNDED_AT_ONCE: usize = 256;
+
 /// Primitives that one task writes at least.
 const PRIMS_PER_TASK: usize = 1024;
 

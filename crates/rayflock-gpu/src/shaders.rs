@@ -13,7 +13,7 @@ pub(crate) struct Shader {
 }
 
 macro_rules! shader {
-    ($name:literal, $($shared:literal),*) => {
+    ($name:literal $(, $shared:literal)*) => {
         Shader {
             name: $name,
             source: concat!(
@@ -80,8 +80,11 @@ pub(crate) const PLAN_LISTS: Shader = shader!("compute/plan_lists", "compute/par
 pub(crate) const FILL_LISTS: Shader = shader!("compute/fill_lists", "compute/params");
 /// A stage of which there is one form for cards and one for processors that stand in for them.
 macro_rules! two_forms {
-    ($name:literal, $($shared:literal),*) => {
-        [shader!($name, $($shared,)* "compute/narrow"), shader!($name, $($shared,)* "compute/wide")]
+    ($name:literal $(, $shared:literal)*) => {
+        [
+            shader!($name $(, $shared)*, "compute/narrow"),
+            shader!($name $(, $shared)*, "compute/wide")
+        ]
     };
 }
 
@@ -100,10 +103,23 @@ pub(crate) const TRACE_TILE: [Shader; 2] = two_forms!(
     "compute/meet_chunks",
     "compute/meet_alone"
 );
-pub(crate) const BOUND_SCENE: Shader = shader!("subfields/bound_scene", "shared/primitive");
+pub(crate) const BOUND_SCENE: Shader =
+    shader!("shared/bound_scene", "shared/primitive", "shared/order");
+pub(crate) const COUNT_CELLS: Shader =
+    shader!("compute/count_cells", "shared/primitive", "shared/order", "compute/cells");
+pub(crate) const SUM_CELLS: Shader =
+    shader!("compute/sum_cells", "shared/primitive", "compute/cells");
+pub(crate) const PLACE_CELLS: Shader =
+    shader!("compute/place_cells", "shared/primitive", "compute/cells");
+pub(crate) const ORDER_PRIMITIVES: Shader = shader!("compute/order_primitives", "shared/primitive");
+pub(crate) const SIZE_CHUNKS: Shader = shader!("compute/size_chunks");
+pub(crate) const TAKE_ORDER: Shader = shader!("compute/take_order", "shared/primitive");
+pub(crate) const COUNT_RAYS: Shader = shader!("compute/count_rays", "shared/ray", "shared/order");
+pub(crate) const ORDER_RAYS: Shader = shader!("compute/order_rays", "shared/ray");
 pub(crate) const MARK_DIRECTIONS: Shader =
     shader!("subfields/mark_directions", "shared/ray", "subfields/params");
-pub(crate) const OPEN_SUBFIELDS: Shader = shader!("subfields/open_subfields", "subfields/params");
+pub(crate) const OPEN_SUBFIELDS: Shader =
+    shader!("subfields/open_subfields", "shared/order", "subfields/params");
 pub(crate) const WRITE_TILES: Shader =
     shader!("subfields/write_tiles", "shared/primitive", "subfields/params");
 pub(crate) const PLACE_TILES: Shader = shader!("subfields/place_tiles", "subfields/params");
@@ -197,6 +213,15 @@ pub(crate) const ALL: &[Shader] = &[
     BOUND_PRIMITIVES,
     RASTER_BOUND_TILES,
     RASTER_TRACE_TILE,
+    BOUND_SCENE,
+    COUNT_CELLS,
+    SUM_CELLS,
+    PLACE_CELLS,
+    ORDER_PRIMITIVES,
+    SIZE_CHUNKS,
+    TAKE_ORDER,
+    COUNT_RAYS,
+    ORDER_RAYS,
     BOUND_CHUNKS,
     BOUND_BLOCKS,
     BOUND_TILES,
@@ -208,7 +233,6 @@ pub(crate) const ALL: &[Shader] = &[
     FILL_LISTS,
     TRACE_TILE[0],
     TRACE_TILE[1],
-    BOUND_SCENE,
     MARK_DIRECTIONS,
     OPEN_SUBFIELDS,
     WRITE_TILES,

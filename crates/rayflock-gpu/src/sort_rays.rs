@@ -7,7 +7,8 @@
 //! Sorting", GRAPP 2017: rays are hashed and sorted before a hierarchy is built over them. The map is
 //! that of Z. Cigolle et al., JCGT 3(2), 2014.
 //!
-//! **Departures.** On the host, while rays are on their way to the device anyway.
+//! **Departures.** On the host, while rays are on their way to the device anyway; rays that are born
+//! there are sorted there (`compute::ray_order`).
 
 use glam::Vec3;
 use rayflock_geom::{Aabb, Ray, RayBatch, RayState};
@@ -51,7 +52,7 @@ fn key(ray: &Ray, low: Vec3, scale: f32) -> u32 {
 }
 
 /// The place of a direction on a square from -1 to 1.
-fn octahedral(direction: Vec3) -> [f32; 2] {
+pub(crate) fn octahedral(direction: Vec3) -> [f32; 2] {
     // Large and small directions are out of the range of sums.
     let scaled = direction / direction.abs().max_element();
     let flat = scaled / scaled.abs().element_sum();

@@ -42,7 +42,7 @@ use crate::buffer::{GrowingBuffer, part_of, range_of};
 use crate::layout::{DeviceHit, DeviceRay, SubfieldCounters, SubfieldParams};
 use crate::method::{Method, Question, TestCounts};
 use crate::pass::{Groups, StageEncoder};
-use crate::primitives::{PART_PRIMS, Part, PrimitiveStore};
+use crate::primitives::{BOUNDED_AT_ONCE, BOX_BYTES, PART_PRIMS, Part, PrimitiveStore};
 use crate::slots::Run;
 use crate::stage_clock::StageClock;
 use crate::{GpuContext, GpuError};
@@ -52,13 +52,11 @@ pub(crate) const MOST_CELLS: usize = 256;
 pub(crate) const PRIM_BITS: u32 = 21;
 const _: () = assert!(PART_PRIMS <= 1 << PRIM_BITS, "an entry names any primitive of a part");
 
-/// Bytes of a box, and where that of the next part begins.
-const BOX_BYTES: usize = 24;
+/// Where the box of the next part begins.
 const BOX_STRIDE: usize = 256;
 
-/// Rays and primitives of a workgroup.
+/// Rays of a workgroup.
 const GROUP_RAYS: usize = 64;
-const GROUP_PRIMS: usize = 256;
 
 /// What room there is.
 #[derive(Clone, Copy, Debug)]
@@ -298,7 +296,7 @@ impl Method for Subfields {
         for (part_idx, part) in primitives.parts().enumerate() {
             let scene = range_of(boxes, part_idx * BOX_STRIDE, BOX_BYTES);
             let resources = [part_of(part.buffer, part.bytes()), scene];
-            let groups = Groups::Count(part.count.div_ceil(GROUP_PRIMS));
+            let groups = Groups::Count(part.count.div_ceil(BOUNDED_AT_ONCE));
             encoder.stage(&self.stages.bound_scene, &resources, groups);
         }
         encoder.submit();

@@ -10,6 +10,7 @@ use glam::{DVec2, Vec3};
 
 pub(crate) use self::gather_lights::{InTheWay, LitPoint, gather_lights};
 use crate::layout::{Cone, DevicePrimitive, DeviceRay, SPHERE, TileRange};
+use crate::sort_rays::octahedral;
 
 /// Where the definition of a stage is.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +41,31 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
         ),
     ),
     ("raster/trace_tile", Twin::Elsewhere(BY_ANSWER)),
+    ("shared/bound_scene", Twin::Here),
+    ("compute/count_cells", Twin::Here),
+    (
+        "compute/sum_cells",
+        Twin::Elsewhere("sums that `place_cells` adds up; the test of that one has several groups"),
+    ),
+    ("compute/place_cells", Twin::Here),
+    (
+        "compute/order_primitives",
+        Twin::Elsewhere(
+            "each to its place; the test of `place_cells` finds each once, where its cell is",
+        ),
+    ),
+    (
+        "compute/size_chunks",
+        Twin::Elsewhere("two sums; its test has orders of which either is better"),
+    ),
+    ("compute/take_order", Twin::Elsewhere("a copy; as for `size_chunks`")),
+    ("compute/count_rays", Twin::Here),
+    (
+        "compute/order_rays",
+        Twin::Elsewhere(
+            "each to its place; the test of `count_rays` finds each once, where its key is",
+        ),
+    ),
     ("compute/bound_chunks", Twin::Here),
     ("compute/bound_blocks", Twin::Here),
     ("compute/bound_tiles", Twin::Here),
@@ -56,7 +82,6 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
     ("compute/plan_lists", Twin::Here),
     ("compute/fill_lists", Twin::Elsewhere("the lists that `refine` makes")),
     ("compute/trace_tile", Twin::Elsewhere(BY_ANSWER)),
-    ("subfields/bound_scene", Twin::Here),
     ("subfields/mark_directions", Twin::Here),
     (
         "subfields/open_subfields",
@@ -192,6 +217,47 @@ pub(crate) fn bound_scene(prims: &[DevicePrimitive]) -> [Vec3; 2] {
     seen.fold(nothing, |[low, high], [a, b]| [low.min(a), high.max(b)])
 }
 
+/// The cell of a primitive in a scene between these corners, and how far its place on the finest
+/// level that it may be on is from another one, in cells.
+pub(crate) fn count_cells(
+    prim: &DevicePrimitive,
+    [low, high]: [Vec3; 2],
+    finest: u32,
+) -> (u32, f32) {
+    let [x, y, z, radius] = bound_primitives(prim);
+    let edge = (high - low).max_element();
+    let level = (edge / (2.0 * radius)).log2().clamp(0.0, finest as f32);
+    let place = (Vec3::new(x, y, z) - low) / edge * f32::from(1_u16 << level as u32);
+    let cell = place.as_uvec3().min(glam::UVec3::splat((1 << level as u32) - 1));
+    let bits = (0..10).map(|bit| {
+        let of_axis = |axis: usize| (cell[axis] >> bit & 1) << (3 * bit + axis as u32);
+        of_axis(0) | of_axis(1) | of_axis(2)
+    });
+    let code: u32 = bits.sum();
+    let first_of_level = ((1 << (3 * level as u32)) - 1) / 7;
+    let margin = (place - place.round()).abs().min_element().min((level - level.round()).abs());
+    (first_of_level + code, margin)
+}
+
+/// Among 2^`bits` cells along each side, those of a ray's origin in a scene between these corners and
+/// of its direction, as places: the key has their bits.
+pub(crate) fn count_rays(ray: &DeviceRay, [low, high]: [Vec3; 2], bits: u32) -> [f32; 5] {
+    let origin = (Vec3::from(ray.origin) - low) / (high - low).max_element();
+    let direction = octahedral(Vec3::from(ray.direction)).map(|place| 0.5 * place + 0.5);
+    let cells = (1_u32 << bits) as f32;
+    let places = [origin.x, origin.y, origin.z, direction[0], direction[1]];
+    places.map(|place| (place * cells).clamp(0.0, cells - 1.0))
+}
+
+/// How many entries there are before each, given counts.
+pub(crate) fn place_cells(counts: &[u32]) -> Vec<u32> {
+    let before = |sum: &mut u32, count: &u32| {
+        *sum += count;
+        Some(*sum - count)
+    };
+    counts.iter().scan(0, before).collect()
+}
+
 /// Where a direction lies among `edge` x `edge` cells of the unfolded hemisphere: column and row.
 pub(crate) fn mark_directions(direction: Vec3, edge: u32) -> [f32; 2] {
     let upward = if direction.z < 0.0 { -direction } else { direction };
@@ -237,7 +303,9 @@ mod tests {
 
     #[test]
     fn every_stage_has_a_definition_or_a_reason() {
-        let stages: Vec<_> = ALL.iter().map(|shader| shader.name).collect();
+        let mut stages: Vec<_> = ALL.iter().map(|shader| shader.name).collect();
+        // Some stages have several forms.
+        stages.dedup();
         let told: Vec<_> = TWINS.iter().map(|(name, _)| *name).collect();
         assert_eq!(told, stages);
         for (name, twin) in TWINS {

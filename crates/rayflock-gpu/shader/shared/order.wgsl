@@ -8,3 +8,8 @@ fn ordered_bits(t: f32) -> u32 {
 fn from_ordered_bits(ordered: u32) -> f32 {
     return bitcast<f32>(select(~ordered, ordered & 0x7fffffffu, (ordered & 0x80000000u) != 0u));
 }
+
+fn from_ordered_vector(ordered: vec3u) -> vec3f {
+    return vec3f(from_ordered_bits(ordered.x), from_ordered_bits(ordered.y),
+                 from_ordered_bits(ordered.z));
+}

@@ -60,8 +60,8 @@ fn direction_of(cell: u32) -> vec3f {
 }
 
 fn subfield_along(direction: vec3f) -> Subfield {
-    let high = vec3f(unordered(bounds[0]), unordered(bounds[1]), unordered(bounds[2]));
-    let low = -vec3f(unordered(bounds[3]), unordered(bounds[4]), unordered(bounds[5]));
+    let high = from_ordered_vector(vec3u(bounds[0], bounds[1], bounds[2]));
+    let low = -from_ordered_vector(vec3u(bounds[3], bounds[4], bounds[5]));
     let center = 0.5 * low + 0.5 * high;
     // Below the range of `f32` there is nothing to tell apart.
     let half = max(max(high - center, center - low), vec3f(1e-30));
@@ -83,8 +83,4 @@ fn subfield_along(direction: vec3f) -> Subfield {
 // How far a box with these half sides reaches along an axis, and a little more.
 fn reach(axis: vec3f, half: vec3f, radius: f32) -> f32 {
     return max(dot(abs(axis), half) + 4.0 * PLACE_SLACK * radius, NARROWEST * radius);
-}
-
-fn unordered(bits: u32) -> f32 {
-    return bitcast<f32>(select(~bits, bits & 0x7fffffffu, (bits & 0x80000000u) != 0u));
 }

@@ -25,7 +25,6 @@ impl Form {
 /// The stages, ready to run.
 #[derive(Debug)]
 pub(super) struct Stages {
-    pub(super) bound_chunks: ComputeStage,
     pub(super) bound_blocks: ComputeStage,
     pub(super) bound_tiles: ComputeStage,
     pub(super) bound_nodes: ComputeStage,
@@ -51,7 +50,6 @@ impl Stages {
         let plan = |level| stage(shaders::PLAN_DISPATCH, &[("LEVEL", level)]);
         let refine = |is_last| stage(shaders::REFINE, &[("IS_LAST", is_last)]);
         Self {
-            bound_chunks: stage(shaders::BOUND_CHUNKS, &[]),
             bound_blocks: stage(shaders::BOUND_BLOCKS, &[]),
             bound_tiles: stage(shaders::BOUND_TILES, &[]),
             bound_nodes: bound(0, FIRST_NODE),

@@ -8,7 +8,7 @@ use rayflock_testkit::scenes::{SoupKind, triangle_soup};
 
 use super::{BLOCK_CHUNKS, CHUNK_PRIMS, Compute, Form};
 use crate::GpuContext;
-use crate::layout::{Cone, DeviceHit, NO_RANK, TileRange};
+use crate::layout::{Cone, DeviceHit, DevicePrimitive, NO_RANK, TileRange};
 use crate::method::{Method, Question};
 use crate::primitives::PrimitiveStore;
 use crate::slots::{Run, Slots};
@@ -115,8 +115,10 @@ fn check_stages(context: &GpuContext) {
 
     // The last one is not full.
     let chunk_count = 2500_usize.div_ceil(CHUNK_PRIMS);
-    let chunks: Vec<twins::DeviceSphere> = read(context, compute.chunks[0].buffer(), chunk_count);
-    let prims = primitives.host().chunks(CHUNK_PRIMS);
+    let chunks: Vec<twins::DeviceSphere> =
+        read(context, compute.order.chunk_buffer(0), chunk_count);
+    let ordered: Vec<DevicePrimitive> = read(context, compute.order.ordered_buffer(0), 2500);
+    let prims = ordered.chunks(CHUNK_PRIMS);
     for (chunk_idx, (chunk, prims)) in chunks.iter().zip(prims).enumerate() {
         let expected = twins::bound_chunks(prims);
         assert!(near(chunk, &expected), "chunk {chunk_idx}: {chunk:?}, not {expected:?}");

@@ -108,10 +108,13 @@ impl DeviceFrame {
             self.buffers.params.write(context, &[params]);
             self.begin_wave(context, bounce, &params);
             let traced = if bounce == 0 { Traced::Primary } else { Traced::Secondary };
-            self.trace(context, traced, &params);
+            // Rays from the camera lie in tiles, and so do those of the points that they meet.
+            let is_unordered = bounce > 0;
+            self.trace(context, traced, (&params, is_unordered));
             self.shade(context, &params);
             for light in &lights {
-                self.light(context, light, picture.settings.shadows, &params);
+                let has_shadows = picture.settings.shadows;
+                self.light(context, light, has_shadows, (&params, is_unordered));
             }
             self.gather_lights(context, &params, pixel_count);
         }
@@ -133,7 +136,12 @@ impl DeviceFrame {
     }
 
     /// Finds what the rays of the wave hit, or its shadow rays.
-    fn trace(&mut self, context: &GpuContext, traced: Traced, params: &FrameParams) {
+    fn trace(
+        &mut self,
+        context: &GpuContext,
+        traced: Traced,
+        (params, is_unordered): (&FrameParams, bool),
+    ) {
         let b = &self.buffers;
         let (rays, hits, first_slot, question) = match traced {
             Traced::Shadow => (&b.shadow_rays, &b.shadow_hits, 0, Question::Occluded),
@@ -144,6 +152,7 @@ impl DeviceFrame {
             hits: hits.buffer(),
             first_tile: first_slot as usize / TILE_RAYS,
             tile_count: params.slot_count as usize / TILE_RAYS,
+            is_unordered,
             question,
         };
         let (log, counts) = (&mut self.log, b.counts.buffer());
@@ -187,7 +196,7 @@ impl DeviceFrame {
         context: &GpuContext,
         light: &DeviceLight,
         has_shadows: bool,
-        params: &FrameParams,
+        (params, is_unordered): (&FrameParams, bool),
     ) {
         self.buffers.light.write(context, std::slice::from_ref(light));
         let b = &self.buffers;
@@ -206,7 +215,7 @@ impl DeviceFrame {
         encoder.stage(&self.stages.shadow_rays, &resources, tiles(params));
         encoder.submit();
         if has_shadows {
-            self.trace(context, Traced::Shadow, params);
+            self.trace(context, Traced::Shadow, (params, is_unordered));
         }
         let b = &self.buffers;
         let resources = [

@@ -9,7 +9,9 @@ use naga::{Expression, Literal, Module, TypeInner};
 use rayflock_geom::simd::segment_spheres::{AT_END, DARK, RISE};
 
 use super::{ALL, GATHER_LIGHTS, Shader};
-use crate::compute::{BLOCK_CHUNKS, CHUNK_PRIMS, FAN_OUT, FIRST_NODE, FIRST_ROOT};
+use crate::compute::{
+    BLOCK_CHUNKS, CELLS_EACH, CHUNK_PRIMS, FAN_OUT, FIRST_NODE, FIRST_ROOT, KEY_BITS, PLACERS,
+};
 use crate::frame::{
     BLOCK_SPHERES, FOLLOWED, HAS_NORMALS, HAS_UVS, INFLUENCE_WORDS, IS_MIRRORED, JOINT_WORDS,
     MIRRORED, SHADOW, SUM_PLACES, TARGET_WORDS,
@@ -18,12 +20,13 @@ use crate::layout::virtual_lights::{
     DISTANT, DeviceSoftSphere, DeviceVirtualLight, DeviceWall, GatherParams, LOBED, PLAIN,
 };
 use crate::layout::{
-    Attributes, Cone, Counters, DEFORMED_VERTEX_BYTES, DIRECTIONAL, DeformedObject, DeviceEmitter,
-    DeviceHit, DeviceLight, DevicePrimitive, DeviceRay, EMITTERS, FrameParams, NO_RANK, NOWHERE,
-    PATH_BYTES, POINT, POINT_BYTES, Pair, Params, SPHERE, SPOT, Subfield, SubfieldCounters,
-    SubfieldParams, TRIANGLE, TileRange,
+    Attributes, CellParams, Cone, Counters, DEFORMED_VERTEX_BYTES, DIRECTIONAL, DeformedObject,
+    DeviceEmitter, DeviceHit, DeviceLight, DevicePrimitive, DeviceRay, EMITTERS, FrameParams,
+    NO_RANK, NOWHERE, PATH_BYTES, POINT, POINT_BYTES, Pair, Params, SPHERE, SPOT, Subfield,
+    SubfieldCounters, SubfieldParams, TRIANGLE, TileRange,
 };
 use crate::method::Question;
+use crate::primitives::BOUNDED_AT_ONCE;
 use crate::ray_textures::EDGE;
 use crate::slots::TILE_RAYS;
 use crate::subfields::{MOST_CELLS, PRIM_BITS};
@@ -116,6 +119,7 @@ fn host_and_device_agree_about_every_byte() {
         triangle_tests,
         sphere_tests
     );
+    assert_mirrors!("CellParams", CellParams, finest, cell_count, unused_a, unused_b);
     assert_mirrors!("Pair", Pair, cone_idx, block_idx);
     assert_mirrors!("TileRange", TileRange, first, count);
 }
@@ -345,6 +349,10 @@ fn host_and_device_have_the_same_constants() {
         ("CHUNK_PRIMS", CHUNK_PRIMS as u32),
         ("BLOCK_CHUNKS", BLOCK_CHUNKS as u32),
         ("FAN_OUT", FAN_OUT as u32),
+        ("BOUNDERS", BOUNDED_AT_ONCE as u32),
+        ("CELLS_EACH", CELLS_EACH as u32),
+        ("PLACERS", PLACERS as u32),
+        ("KEY_BITS", KEY_BITS),
         ("FIRST_NODE", FIRST_NODE as u32),
         ("FIRST_ROOT", FIRST_ROOT as u32),
         ("MOST_CELLS", MOST_CELLS as u32),

@@ -1,18 +1,12 @@
 // Computes the box around the primitives that rays may see.
 
 @group(0) @binding(0) var<storage, read> primitives: array<Primitive>;
-// Largest coordinates, then largest negated ones, by `ordered`; 0 where there is nothing.
+// Largest coordinates, then largest negated ones, by `ordered_bits`; 0 where there is nothing.
 @group(0) @binding(1) var<storage, read_write> bounds: array<atomic<u32>, 6>;
 
 const BOUNDERS: u32 = 256u;
 
 var<workgroup> largest: array<atomic<u32>, 6>;
-
-// Whole numbers in the order of the numbers, all above 0.
-fn ordered(number: f32) -> u32 {
-    let bits = bitcast<u32>(number);
-    return select(bits | 0x80000000u, ~bits, (bits & 0x80000000u) != 0u);
-}
 
 @compute @workgroup_size(BOUNDERS)
 fn bound_scene(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u,
@@ -28,8 +22,8 @@ fn bound_scene(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) gro
                 high = prim.a + prim.b.x;
             }
             for (var axis = 0u; axis < 3u; axis++) {
-                atomicMax(&largest[axis], ordered(high[axis]));
-                atomicMax(&largest[3u + axis], ordered(-low[axis]));
+                atomicMax(&largest[axis], ordered_bits(high[axis]));
+                atomicMax(&largest[3u + axis], ordered_bits(-low[axis]));
             }
         }
     }
