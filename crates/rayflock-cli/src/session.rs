@@ -188,6 +188,7 @@ fn record(
         gather_ms: milliseconds(stats.indirect.gather_seconds),
         fit_ms: milliseconds(stats.indirect.fit_seconds),
         spheres: stats.indirect.spheres,
+        scanned: stats.scanned,
         total_ms: times.total_ms,
         vpls: stats.indirect.lights,
         clamped: stats.indirect.clamped_share(),

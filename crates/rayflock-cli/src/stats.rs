@@ -57,6 +57,9 @@ pub(crate) struct FrameRecord {
     pub(crate) error: Option<ErrorRecord>,
     /// Rays by kind.
     pub(crate) rays: RayRecord,
+    /// Of the rays from the camera, those that scan conversion on a graphics card stood for.
+    #[serde(default)]
+    pub(crate) scanned: u64,
     /// What tracing took, by stage.
     #[serde(default)]
     pub(crate) stages: StageRecords,

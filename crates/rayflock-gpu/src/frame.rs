@@ -4,7 +4,8 @@
 //! For each band of rows and each sample, wave by wave:
 //!
 //! 1. **camera_rays**, or **begin_wave** for the rays that the wave before left.
-//! 2. the stages of the engine `gpu:compute` find what they hit.
+//! 2. Scan conversion finds what the rays from the camera hit, the stages of the engine
+//!    `gpu:compute` what all others do.
 //! 3. **shade_surface** turns hits into light, lit points and the rays of the next wave;
 //!    **add_emitted** brings the light to the film.
 //! 4. For each light, **shadow_rays** between it and the points, the stages of the engine once more,
@@ -14,7 +15,8 @@
 //! the rays of a bounce that are written where the next pass reads them, L. Szecsi, "The Hierarchical
 //! Ray Engine", WSCG 2006.
 //!
-//! **Departures** from the renderer of the CPU: sums in `f32`, in any order; primary rays are traced.
+//! **Departures** from the renderer of the CPU: sums in `f32`, in any order; what rays
+//! from the camera hit is drawn, not traced.
 //!
 //! **Invariants.** Whatever outgrows its buffer is counted, and read with the picture; then the band
 //! is rendered anew with more room, or fewer rows. Nothing is dropped.
@@ -25,6 +27,7 @@ mod attributes;
 mod buffers;
 mod picture;
 mod render_band;
+mod scan;
 mod scene_data;
 mod stages;
 mod standby;
@@ -50,6 +53,8 @@ use self::buffers::FrameBuffers;
 #[cfg(test)]
 pub(crate) use self::buffers::{FOLLOWED, MIRRORED, SHADOW};
 use self::picture::{Band, Picture, Rendered};
+pub use self::scan::PrimaryVisibility;
+use self::scan::Scan;
 use self::scene_data::SceneData;
 use self::stages::FrameStages;
 use self::standby::FrameStandby;
@@ -83,6 +88,8 @@ struct DeviceFrame {
     compute: Compute,
     stages: FrameStages,
     buffers: FrameBuffers,
+    primary: PrimaryVisibility,
+    scan: Scan,
     log: TraceLog,
     /// Why the device cannot render the committed frame, if it cannot.
     refused: Option<String>,
@@ -107,6 +114,8 @@ impl GpuRenderer {
             compute,
             stages: FrameStages::new(context),
             buffers: FrameBuffers::new(),
+            primary: PrimaryVisibility::default(),
+            scan: Scan::new(context),
             log: TraceLog::new(),
             refused: None,
         };
@@ -121,6 +130,13 @@ impl GpuRenderer {
     /// [`GpuError`] when there is no such adapter, or it cannot be used.
     pub fn open(adapter: AdapterChoice) -> Result<Self, GpuError> {
         Self::new(&GpuContext::new(adapter)?)
+    }
+
+    /// The renderer, but finding by `primary` what the rays from the camera hit.
+    #[must_use]
+    pub fn with_primary(mut self, primary: PrimaryVisibility) -> Self {
+        self.device.primary = primary;
+        self
     }
 
     /// What the device runs on.
@@ -234,6 +250,7 @@ impl DeviceFrame {
         self.scene.hold(&mut budget);
         self.compute.hold(&mut budget);
         self.buffers.hold(&mut budget);
+        self.scan.hold(&mut budget);
         self.log.hold(&mut budget);
         budget
     }

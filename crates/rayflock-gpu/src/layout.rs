@@ -195,6 +195,30 @@ pub(crate) struct FrameParams {
     pub(crate) next_first_slot: u32,
 }
 
+/// `ScanParams` of `frame/scan.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ScanParams {
+    pub(crate) column: [f32; 3],
+    pub(crate) width: u32,
+    pub(crate) row: [f32; 3],
+    pub(crate) row_count: u32,
+    pub(crate) depth: [f32; 3],
+    pub(crate) is_parallel: u32,
+    pub(crate) origin: [f32; 3],
+    pub(crate) unused: u32,
+    pub(crate) shift: [f32; 2],
+    pub(crate) end: [u32; 2],
+}
+
+/// `ScanCounters` of `frame/scan.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ScanCounters {
+    pub(crate) triangle_tests: u32,
+    pub(crate) sphere_tests: u32,
+}
+
 /// Bytes of a `Path` and of a `LitPoint` of `frame/frame.wgsl`, which the device keeps to itself.
 pub(crate) const PATH_BYTES: usize = 32;
 pub(crate) const POINT_BYTES: usize = 96;

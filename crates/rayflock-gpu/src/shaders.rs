@@ -31,6 +31,7 @@ pub(crate) const BRUTE_CROSS: Shader = shader!(
     "shared/limits",
     "shared/intersect",
     "shared/depth",
+    "shared/write_hit",
     "shared/ray_textures",
     "shared/draw"
 );
@@ -52,6 +53,7 @@ pub(crate) const RASTER_TRACE_TILE: Shader = shader!(
     "shared/intersect",
     "shared/cone",
     "shared/depth",
+    "shared/write_hit",
     "shared/tiles",
     "shared/ray_textures",
     "shared/draw"
@@ -111,6 +113,23 @@ pub(crate) const CAMERA_RAYS: Shader = shader!(
     "shared/limits",
     "shared/intersect",
     "frame/frame"
+);
+pub(crate) const SCAN_PRIMITIVES: Shader = shader!(
+    "frame/scan_primitives",
+    "shared/primitive",
+    "shared/ray",
+    "shared/intersect",
+    "shared/depth",
+    "shared/write_hit",
+    "frame/scan",
+    "frame/outline"
+);
+pub(crate) const TAKE_SCANNED: Shader = shader!(
+    "frame/take_scanned",
+    "shared/primitive",
+    "shared/ray",
+    "shared/intersect",
+    "frame/scan"
 );
 pub(crate) const BEGIN_WAVE: Shader = shader!(
     "frame/begin_wave",
@@ -175,6 +194,8 @@ pub(crate) const ALL: &[Shader] = &[
     PLACE_TILES,
     TRACE_RAYS,
     CAMERA_RAYS,
+    SCAN_PRIMITIVES,
+    TAKE_SCANNED,
     BEGIN_WAVE,
     SHADE_SURFACE,
     ADD_EMITTED,

@@ -23,6 +23,9 @@ const BY_ANSWER: &str = "what it finds is compared with the engine `brute` of th
 const BY_PICTURE: &str = "the stage of this name of the renderer on the CPU (rayflock-render); pictures of \
                           both are compared (tests/suite/frames.rs)";
 
+const BY_TRACING: &str = "rays from the camera hit what the stages of gpu:compute find for the \
+                          same rays (src/frame/scan/tests.rs)";
+
 /// Every stage.
 pub(crate) const TWINS: &[(&str, Twin)] = &[
     ("brute/cross", Twin::Elsewhere(BY_ANSWER)),
@@ -63,6 +66,8 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
     ),
     ("subfields/trace_rays", Twin::Elsewhere(BY_ANSWER)),
     ("frame/camera_rays", Twin::Elsewhere(BY_PICTURE)),
+    ("frame/scan_primitives", Twin::Elsewhere(BY_TRACING)),
+    ("frame/take_scanned", Twin::Elsewhere(BY_TRACING)),
     (
         "frame/begin_wave",
         Twin::Elsewhere("what is left of the rays of the wave before is not to be seen"),

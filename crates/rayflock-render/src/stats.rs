@@ -74,6 +74,9 @@ pub struct FrameStats {
     pub stages: TraceStages,
     /// Rays by kind.
     pub rays: RayCounts,
+    /// Of the rays from the camera, those that were not traced, since scan conversion found what
+    /// they hit.
+    pub scanned: u64,
     /// Light from virtual lights.
     pub indirect: IndirectStats,
     /// Time spent in the engine, in seconds; 0 where there is no clock (WebAssembly).

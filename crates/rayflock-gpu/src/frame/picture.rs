@@ -48,6 +48,8 @@ pub(super) struct BandStats {
     pub(super) secondary: TraceStats,
     pub(super) shadow: TraceStats,
     pub(super) mirror_rays: u64,
+    /// Rays from the camera that were not traced.
+    pub(super) scanned: u64,
 }
 
 impl BandStats {
@@ -62,6 +64,7 @@ impl BandStats {
             stats.trace += trace;
         }
         stats.rays.primary += self.primary.rays;
+        stats.scanned += self.scanned;
         stats.rays.shadow += self.shadow.rays;
         stats.rays.mirror += self.mirror_rays;
         stats.rays.refraction += self.secondary.rays - self.mirror_rays;

@@ -8,7 +8,7 @@ use wgpu::BindingResource;
 use super::DeviceFrame;
 use super::buffers::{FOLLOWED, MIRRORED, SHADOW};
 use super::picture::{Band, BandStats, Picture, Rendered};
-use super::trace_log::{Logged, Traced};
+use super::trace_log::{Asked, Logged, Traced};
 use crate::compute::{Room, Wave};
 use crate::layout::{DeviceLight, FrameParams};
 use crate::method::Question;
@@ -105,8 +105,11 @@ impl DeviceFrame {
             params.goes_on = u32::from(bounce < bounces);
             self.buffers.params.write(context, &[params]);
             self.begin_wave(context, bounce, &params);
-            let traced = if bounce == 0 { Traced::Primary } else { Traced::Secondary };
-            self.trace(context, traced, &params);
+            if bounce == 0 {
+                self.find_primary(context, &params);
+            } else {
+                self.trace(context, Traced::Secondary, &params);
+            }
             self.shade(context, &params);
             for light in &lights {
                 self.light(context, light, picture.settings.shadows, &params);
@@ -115,7 +118,7 @@ impl DeviceFrame {
     }
 
     /// Makes the rays from the camera, or those that the wave before left, a wave.
-    fn begin_wave(&mut self, context: &GpuContext, bounce: u32, params: &FrameParams) {
+    pub(super) fn begin_wave(&mut self, context: &GpuContext, bounce: u32, params: &FrameParams) {
         let b = &self.buffers;
         let [rays, paths, hits] = [&b.rays, &b.paths, &b.hits].map(|b| whole(b.buffer()));
         let mut encoder = StageEncoder::new(context, &mut self.clock);
@@ -130,7 +133,7 @@ impl DeviceFrame {
     }
 
     /// Finds what the rays of the wave hit, or its shadow rays.
-    fn trace(&mut self, context: &GpuContext, traced: Traced, params: &FrameParams) {
+    pub(super) fn trace(&mut self, context: &GpuContext, traced: Traced, params: &FrameParams) {
         let b = &self.buffers;
         let (rays, hits, first_slot, question) = match traced {
             Traced::Shadow => (&b.shadow_rays, &b.shadow_hits, 0, Question::Occluded),
@@ -149,7 +152,9 @@ impl DeviceFrame {
             &mut self.clock,
             &self.primitives,
             &wave,
-            &mut |encoder, counters, asked| log.add(encoder, traced, asked, [counters, counts]),
+            &mut |encoder, counters, asked| {
+                log.add(encoder, traced, Asked::Traced(asked), [counters, counts]);
+            },
         );
     }
 
@@ -254,7 +259,10 @@ fn add_logged(stats: &mut BandStats, logged: &Logged, pixel_count: u64) {
     let [mirrored, followed, shadow] =
         [MIRRORED, FOLLOWED, SHADOW].map(|kind| u64::from(logged.counts[kind]));
     let (stage, rays) = match logged.traced {
-        Traced::Primary => (&mut stats.primary, pixel_count),
+        Traced::Primary => {
+            stats.scanned += if logged.asked == Asked::Scanned { pixel_count } else { 0 };
+            (&mut stats.primary, pixel_count)
+        }
         Traced::Secondary => {
             stats.mirror_rays += mirrored;
             (&mut stats.secondary, followed)

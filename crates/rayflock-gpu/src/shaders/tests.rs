@@ -13,7 +13,8 @@ use crate::frame::{FOLLOWED, HAS_NORMALS, HAS_UVS, IS_MIRRORED, MIRRORED, SHADOW
 use crate::layout::{
     Attributes, Cone, Counters, DIRECTIONAL, DeviceEmitter, DeviceHit, DeviceLight,
     DevicePrimitive, DeviceRay, EMITTERS, FrameParams, NO_RANK, PATH_BYTES, POINT, POINT_BYTES,
-    Pair, Params, SPHERE, SPOT, Subfield, SubfieldCounters, SubfieldParams, TRIANGLE, TileRange,
+    Pair, Params, SPHERE, SPOT, ScanCounters, ScanParams, Subfield, SubfieldCounters,
+    SubfieldParams, TRIANGLE, TileRange,
 };
 use crate::method::Question;
 use crate::ray_textures::EDGE;
@@ -209,6 +210,25 @@ fn host_and_device_agree_about_every_byte_of_a_picture() {
     assert_mirrors!("Emitter", DeviceEmitter, a, kind, b, weight, c, cumulative, radiance, unused);
     let spans = ["Path", "LitPoint"].map(|name| structure(name).0 as usize);
     assert_eq!(spans, [PATH_BYTES, POINT_BYTES]);
+}
+
+#[test]
+fn host_and_device_agree_about_every_byte_of_scan_conversion() {
+    assert_mirrors!(
+        "ScanParams",
+        ScanParams,
+        column,
+        width,
+        row,
+        row_count,
+        depth,
+        is_parallel,
+        origin,
+        unused,
+        shift,
+        end
+    );
+    assert_mirrors!("ScanCounters", ScanCounters, triangle_tests, sphere_tests);
 }
 
 /// Names and values of the whole numbers that programs state.

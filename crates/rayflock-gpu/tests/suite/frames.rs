@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, flip};
 use rayflock_engine::{EngineKind, create};
-use rayflock_gpu::GpuRenderer;
+use rayflock_gpu::{GpuRenderer, PrimaryVisibility};
 use rayflock_import::Reporter;
 use rayflock_render::tonemap::{ToneMap, to_srgb8};
 use rayflock_render::vpl::VplSettings;
@@ -149,12 +149,21 @@ fn rays_and_stages_are_counted() {
         renderer.render(&view, &RenderSettings::default(), &mut Film::new(32, 24))
     };
     let expected = count(&mut on_cpu()).rays;
+    let pixel_count = 32 * 24;
     for context in contexts() {
+        let mut traced = GpuRenderer::new(context).unwrap().with_primary(PrimaryVisibility::Traced);
+        let of_tracing = count(&mut traced);
         let mut renderer = GpuRenderer::new(context).unwrap();
         let stats = count(&mut renderer);
         let near = |a: u64, b: u64| a.abs_diff(b) <= 2 + b / 100;
         assert!(near(stats.rays.mirror, expected.mirror), "{:?}, {expected:?}", stats.rays);
         assert!(near(stats.rays.shadow, expected.shadow), "{:?}, {expected:?}", stats.rays);
+        let primary = [&stats, &of_tracing].map(|stats| stats.stages.primary.trace);
+        assert_eq!(primary.map(|trace| trace.rays), [pixel_count; 2]);
+        assert_eq!((stats.scanned, of_tracing.scanned), (pixel_count, 0));
+        let [scanned_tests, traced_tests] = primary.map(|trace| trace.triangle_tests);
+        assert!((pixel_count / 2..traced_tests).contains(&scanned_tests), "{primary:?}");
+        assert_eq!(primary.map(|trace| trace.cone_tests > 0), [false, true]);
         assert!(stats.stages.secondary.trace.triangle_tests > 0);
         assert!(!renderer.budget().stages.is_empty() && renderer.memory_usage() > 0);
     }
