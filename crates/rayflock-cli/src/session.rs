@@ -189,6 +189,8 @@ fn record(
         fit_ms: milliseconds(stats.indirect.fit_seconds),
         spheres: stats.indirect.spheres,
         scanned: stats.scanned,
+        photons: stats.caustics.photons,
+        caustics_ms: milliseconds(stats.caustics.shoot_seconds + stats.caustics.gather_seconds),
         total_ms: times.total_ms,
         vpls: stats.indirect.lights,
         clamped: stats.indirect.clamped_share(),

@@ -279,6 +279,9 @@ fn unsupported(settings: &RenderSettings, width: usize) -> Option<String> {
     if settings.indirect != Indirect::Off {
         return Some(cannot("light from virtual lights"));
     }
+    if settings.caustics.is_some() {
+        return Some(cannot("light that mirrors and glass throw"));
+    }
     (width > picture::MOST_COLUMNS).then(|| cannot(&format!("rows of {width} pixels")))
 }
 

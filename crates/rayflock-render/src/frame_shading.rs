@@ -7,9 +7,10 @@
 //! materials differ from primitive to primitive. Meshes and images are shared, not copied.
 
 use glam::{Affine3A, Mat3, Vec3};
-use rayflock_geom::{Geometry, GeometryObject, ObjectId};
+use rayflock_geom::{Aabb, Geometry, GeometryObject, ObjectId};
 use rayflock_scene::{
-    Background, Material, MaterialIdx, PrimMaterials, Scene, SceneFrame, SurfaceMesh, Texture,
+    Background, Fresnel, Material, MaterialIdx, PrimMaterials, Scene, SceneFrame, SurfaceMesh,
+    Texture,
 };
 
 use crate::lights::Lights;
@@ -29,6 +30,8 @@ pub(crate) struct FrameShading {
     pub(crate) lights: Lights,
     /// What the scene states.
     pub(crate) background: Option<Background>,
+    /// What the objects are made of, in world space.
+    geometry: Geometry,
 }
 
 /// An object with what its surface looks like.
@@ -71,6 +74,7 @@ impl FrameShading {
             textures: scene.textures.clone(),
             lights: Lights::default(),
             background: scene.background,
+            geometry: frame.geometry.clone(),
         })
     }
 
@@ -92,6 +96,19 @@ impl FrameShading {
     /// Whether any material sends out light.
     pub(crate) fn has_emission(&self) -> bool {
         self.materials.iter().any(|material| material.emission.max_element() > 0.0)
+    }
+
+    /// The box around all objects that mirror or let light through, if only somewhere.
+    pub(crate) fn turning_bounds(&self) -> Aabb {
+        let turns = |idx: &MaterialIdx| turns_rays(self.material(*idx));
+        let objects = self.geometry.objects().iter().filter(|object| {
+            let materials = |shaded: &ShadedObject| match &shaded.surface.attributes.materials {
+                PrimMaterials::Uniform(idx) => turns(idx),
+                PrimMaterials::PerPrim(idxs) => idxs.iter().any(turns),
+            };
+            self.object(object.id).is_some_and(materials)
+        });
+        objects.fold(Aabb::EMPTY, |bounds, object| bounds.union(&object.bounds()))
     }
 
     /// What multiplies the diffuse and ambient share at `point`: texture and vertex colour.
@@ -126,6 +143,13 @@ impl ShadedObject {
             handedness: if mirrors { -1.0 } else { 1.0 },
         }
     }
+}
+
+/// Whether rays go on after they hit such a surface.
+fn turns_rays(material: &Material) -> bool {
+    // With the equations of a dielectric, what is mirrored is not the material's to say.
+    let always = material.fresnel == Fresnel::Dielectric;
+    always || material.mirror != Vec3::ZERO || material.transmission != Vec3::ZERO
 }
 
 /// The inverse transpose times the determinant: unlike the inverse, always finite. Its sign does

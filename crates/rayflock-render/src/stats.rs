@@ -79,6 +79,8 @@ pub struct FrameStats {
     pub scanned: u64,
     /// Light from virtual lights.
     pub indirect: IndirectStats,
+    /// Light thrown by mirrors and glass.
+    pub caustics: CausticStats,
     /// Time spent in the engine, in seconds; 0 where there is no clock (WebAssembly).
     pub trace_seconds: f64,
     /// Time spent on everything else, in seconds; 0 where there is no clock.
@@ -100,6 +102,17 @@ impl FrameStats {
             Stage::Indirect => &mut stages.indirect,
         } += traced;
     }
+}
+
+/// What light that mirrors and glass throw took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CausticStats {
+    /// Photons that rays from lights left.
+    pub photons: u64,
+    /// Time spent on those rays, tracing included, in seconds; 0 where there is no clock.
+    pub shoot_seconds: f64,
+    /// Time spent on gathering photons, in seconds; 0 where there is no clock.
+    pub gather_seconds: f64,
 }
 
 /// What light from virtual lights took.
