@@ -257,9 +257,7 @@ mod tests {
         let wide = planned("--caustics 5000 --caustic-radius 0.05").unwrap();
         assert_eq!(wide, Some(CausticSettings { radius: 0.05, ..expected }));
         assert_eq!(caustics_text(wide.as_ref()), "5000, radius 0.05");
-        for wrong in
-            ["--caustics 5", "--caustic-radius 0.1", "--caustics 99 --caustic-radius 2"]
-        {
+        for wrong in ["--caustics 5", "--caustic-radius 0.1", "--caustics 99 --caustic-radius 2"] {
             assert!(planned(wrong).is_err(), "{wrong}");
         }
         let by_paths = planned("--caustics 99 --integrator path").unwrap_err().to_string();

@@ -1,7 +1,8 @@
 //! Whole pictures on the device: Whitted's model as the renderer of the CPU has it, without a way
 //! back to the host before the picture is done.
 //!
-//! For each band of rows and each sample, wave by wave:
+//! Photons come first, where light that mirrors and glass throw is asked for (`photons`). Then, for
+//! each band of rows and each sample, wave by wave:
 //!
 //! 1. **camera_rays**, or **begin_wave** for the rays that the wave before left.
 //! 2. Scan conversion finds what the rays from the camera hit, the stages of the engine
@@ -25,6 +26,7 @@
 
 mod attributes;
 mod buffers;
+mod photons;
 mod picture;
 mod render_band;
 mod scan;
@@ -52,6 +54,7 @@ pub(crate) use self::attributes::{HAS_NORMALS, HAS_UVS, IS_MIRRORED};
 use self::buffers::FrameBuffers;
 #[cfg(test)]
 pub(crate) use self::buffers::{FOLLOWED, MIRRORED, SHADOW};
+use self::photons::Photons;
 use self::picture::{Band, Picture, Rendered};
 pub use self::scan::PrimaryVisibility;
 use self::scan::Scan;
@@ -90,6 +93,7 @@ struct DeviceFrame {
     buffers: FrameBuffers,
     primary: PrimaryVisibility,
     scan: Scan,
+    photons: Photons,
     log: TraceLog,
     /// Why the device cannot render the committed frame, if it cannot.
     refused: Option<String>,
@@ -116,6 +120,7 @@ impl GpuRenderer {
             buffers: FrameBuffers::new(),
             primary: PrimaryVisibility::default(),
             scan: Scan::new(context),
+            photons: Photons::new(context),
             log: TraceLog::new(),
             refused: None,
         };
@@ -221,6 +226,11 @@ impl DeviceFrame {
         let start = Instant::now();
         let (width, height) = (film.width(), film.height());
         let mut stats = FrameStats::default();
+        match self.shoot_photons(context, picture) {
+            Ok(Some(shot)) => shot.add_to(&mut stats),
+            Ok(None) => return Err(cannot("so many photons")),
+            Err(fault) => return Err(lost(&fault)),
+        }
         let mut rows_at_once = picture.rows_at_once(width);
         let mut first_row = 0;
         while first_row < height {
@@ -251,6 +261,7 @@ impl DeviceFrame {
         self.compute.hold(&mut budget);
         self.buffers.hold(&mut budget);
         self.scan.hold(&mut budget);
+        self.photons.hold(&mut budget);
         self.log.hold(&mut budget);
         budget
     }
@@ -278,9 +289,6 @@ fn unsupported(settings: &RenderSettings, width: usize) -> Option<String> {
     }
     if settings.indirect != Indirect::Off {
         return Some(cannot("light from virtual lights"));
-    }
-    if settings.caustics.is_some() {
-        return Some(cannot("light that mirrors and glass throw"));
     }
     (width > picture::MOST_COLUMNS).then(|| cannot(&format!("rows of {width} pixels")))
 }

@@ -223,6 +223,23 @@ pub(crate) struct ScanCounters {
 pub(crate) const PATH_BYTES: usize = 32;
 pub(crate) const POINT_BYTES: usize = 96;
 
+/// `PhotonParams` of `frame/photon_cells.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct PhotonParams {
+    pub(crate) low: [f32; 3],
+    pub(crate) radius: f32,
+    pub(crate) photon_count: u32,
+    pub(crate) bucket_count: u32,
+    pub(crate) unused: [u32; 2],
+}
+
+/// Bytes of a `Photon` and of what lies before those of a `PhotonStore` of `frame/photon.wgsl`, and
+/// of a `Bucket` of `frame/photon_cells.wgsl`.
+pub(crate) const PHOTON_BYTES: usize = 64;
+pub(crate) const PHOTONS_OFFSET: usize = 16;
+pub(crate) const BUCKET_BYTES: usize = 12;
+
 /// `Attributes` of `frame/surface_point.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]

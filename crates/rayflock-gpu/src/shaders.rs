@@ -146,7 +146,9 @@ pub(crate) const SHADE_SURFACE: Shader = shader!(
     "shared/intersect",
     "frame/frame",
     "frame/surface_point",
-    "frame/scatter"
+    "frame/scatter",
+    "frame/material",
+    "frame/turns"
 );
 pub(crate) const ADD_EMITTED: Shader =
     shader!("frame/add_emitted", "shared/ray", "frame/frame", "frame/film");
@@ -157,6 +159,7 @@ pub(crate) const SHADOW_RAYS: Shader = shader!(
     "shared/limits",
     "shared/intersect",
     "frame/frame",
+    "frame/lamp",
     "frame/light"
 );
 pub(crate) const ADD_LIT: Shader = shader!(
@@ -167,7 +170,35 @@ pub(crate) const ADD_LIT: Shader = shader!(
     "shared/intersect",
     "frame/frame",
     "frame/film",
+    "frame/lamp",
     "frame/light"
+);
+
+pub(crate) const LEAVE_PHOTONS: Shader = shader!(
+    "frame/leave_photons",
+    "shared/primitive",
+    "shared/ray",
+    "shared/limits",
+    "shared/intersect",
+    "frame/frame",
+    "frame/surface_point",
+    "frame/scatter",
+    "frame/material",
+    "frame/turns",
+    "frame/lamp",
+    "frame/photon"
+);
+pub(crate) const SORT_PHOTONS: Shader =
+    shader!("frame/sort_photons", "frame/photon", "frame/photon_cells");
+pub(crate) const PLACE_PHOTONS: Shader =
+    shader!("frame/place_photons", "frame/photon", "frame/photon_cells");
+pub(crate) const GATHER_PHOTONS: Shader = shader!(
+    "frame/gather_photons",
+    "shared/ray",
+    "frame/frame",
+    "frame/film",
+    "frame/photon",
+    "frame/photon_cells"
 );
 
 /// Every program.
@@ -201,6 +232,10 @@ pub(crate) const ALL: &[Shader] = &[
     ADD_EMITTED,
     SHADOW_RAYS,
     ADD_LIT,
+    LEAVE_PHOTONS,
+    SORT_PHOTONS,
+    PLACE_PHOTONS,
+    GATHER_PHOTONS,
 ];
 
 #[cfg(test)]

@@ -84,6 +84,24 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
         "frame/add_lit",
         Twin::Elsewhere("the stage `accumulate` of the renderer, for what shadow rays decide"),
     ),
+    (
+        "frame/leave_photons",
+        Twin::Elsewhere("the renderer's caustics/shoot; pictures of both are compared"),
+    ),
+    (
+        "frame/sort_photons",
+        Twin::Elsewhere(
+            "each photon is found once, where its bucket lies (src/frame/photons/tests.rs)",
+        ),
+    ),
+    (
+        "frame/place_photons",
+        Twin::Elsewhere("the test of `sort_photons` finds each bucket in a place of its own"),
+    ),
+    (
+        "frame/gather_photons",
+        Twin::Elsewhere("the renderer's caustics/gather; pictures of both are compared"),
+    ),
 ];
 
 /// A sphere: centre and radius; a negative radius where there is nothing.

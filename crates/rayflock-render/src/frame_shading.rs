@@ -111,6 +111,11 @@ impl FrameShading {
         objects.fold(Aabb::EMPTY, |bounds, object| bounds.union(&object.bounds()))
     }
 
+    /// The box around all objects.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.geometry.bounds()
+    }
+
     /// What multiplies the diffuse and ambient share at `point`: texture and vertex colour.
     pub(crate) fn base_color(&self, point: &SurfacePoint) -> Vec3 {
         let texture_idx = self.material(point.material).diffuse_texture;

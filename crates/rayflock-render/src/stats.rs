@@ -111,7 +111,8 @@ pub struct CausticStats {
     pub photons: u64,
     /// Time spent on those rays, tracing included, in seconds; 0 where there is no clock.
     pub shoot_seconds: f64,
-    /// Time spent on gathering photons, in seconds; 0 where there is no clock.
+    /// Time spent on gathering photons, in seconds; 0 where there is no clock, and on a graphics
+    /// device, whose budget tells it.
     pub gather_seconds: f64,
 }
 

@@ -77,7 +77,7 @@ impl DeviceFrame {
     }
 
     /// Whether there was more than buffers hold.
-    fn shortage(&mut self, logged: &[Logged], slot_count: usize) -> Option<Room> {
+    pub(super) fn shortage(&mut self, logged: &[Logged], slot_count: usize) -> Option<Room> {
         let most_rays = logged.iter().map(|logged| logged.counts[FOLLOWED]).max()?;
         let most_pairs = logged.iter().map(Logged::pairs_needed).max()?;
         if most_rays as usize > slot_count {
@@ -111,6 +111,7 @@ impl DeviceFrame {
                 self.trace(context, Traced::Secondary, &params);
             }
             self.shade(context, &params);
+            self.gather_photons(context, &params);
             for light in &lights {
                 self.light(context, light, picture.settings.shadows, &params);
             }
@@ -246,12 +247,12 @@ impl DeviceFrame {
     }
 }
 
-fn whole(buffer: &wgpu::Buffer) -> BindingResource<'_> {
+pub(super) fn whole(buffer: &wgpu::Buffer) -> BindingResource<'_> {
     buffer.as_entire_binding()
 }
 
 /// A workgroup for each tile of a wave.
-const fn tiles(params: &FrameParams) -> Groups<'static> {
+pub(super) const fn tiles(params: &FrameParams) -> Groups<'static> {
     Groups::Count(params.slot_count as usize / TILE_RAYS)
 }
 
@@ -269,13 +270,18 @@ fn add_logged(stats: &mut BandStats, logged: &Logged, pixel_count: u64) {
         }
         Traced::Shadow => (&mut stats.shadow, shadow),
     };
+    *stage += trace_stats(logged, rays);
+}
+
+/// What tracing so many rays took.
+pub(super) fn trace_stats(logged: &Logged, rays: u64) -> TraceStats {
     let tests = logged.tests();
-    *stage += TraceStats {
+    TraceStats {
         rays,
         cone_tests: tests.cones,
         triangle_tests: tests.triangles,
         sphere_tests: tests.spheres,
         pairs: tests.pairs,
         ..TraceStats::default()
-    };
+    }
 }

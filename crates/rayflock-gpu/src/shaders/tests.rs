@@ -11,10 +11,10 @@ use super::{ALL, Shader};
 use crate::compute::{BLOCK_CHUNKS, CHUNK_PRIMS, FAN_OUT, FIRST_NODE, FIRST_ROOT};
 use crate::frame::{FOLLOWED, HAS_NORMALS, HAS_UVS, IS_MIRRORED, MIRRORED, SHADOW};
 use crate::layout::{
-    Attributes, Cone, Counters, DIRECTIONAL, DeviceEmitter, DeviceHit, DeviceLight,
-    DevicePrimitive, DeviceRay, EMITTERS, FrameParams, NO_RANK, PATH_BYTES, POINT, POINT_BYTES,
-    Pair, Params, SPHERE, SPOT, ScanCounters, ScanParams, Subfield, SubfieldCounters,
-    SubfieldParams, TRIANGLE, TileRange,
+    Attributes, BUCKET_BYTES, Cone, Counters, DIRECTIONAL, DeviceEmitter, DeviceHit, DeviceLight,
+    DevicePrimitive, DeviceRay, EMITTERS, FrameParams, NO_RANK, PATH_BYTES, PHOTON_BYTES,
+    PHOTONS_OFFSET, POINT, POINT_BYTES, Pair, Params, PhotonParams, SPHERE, SPOT, ScanCounters,
+    ScanParams, Subfield, SubfieldCounters, SubfieldParams, TRIANGLE, TileRange,
 };
 use crate::method::Question;
 use crate::ray_textures::EDGE;
@@ -229,6 +229,15 @@ fn host_and_device_agree_about_every_byte_of_scan_conversion() {
         end
     );
     assert_mirrors!("ScanCounters", ScanCounters, triangle_tests, sphere_tests);
+}
+
+#[test]
+fn host_and_device_agree_about_every_byte_of_photons() {
+    assert_mirrors!("PhotonParams", PhotonParams, low, radius, photon_count, bucket_count, unused);
+    let spans = ["Photon", "Bucket"].map(|name| structure(name).0 as usize);
+    assert_eq!(spans, [PHOTON_BYTES, BUCKET_BYTES]);
+    let (_, members) = structure("PhotonStore");
+    assert_eq!(members.last(), Some(&("photons".to_owned(), PHOTONS_OFFSET as u32)));
 }
 
 /// Names and values of the whole numbers that programs state.
