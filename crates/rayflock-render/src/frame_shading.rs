@@ -30,7 +30,7 @@ pub(crate) struct FrameShading {
     pub(crate) lights: Lights,
     /// What the scene states.
     pub(crate) background: Option<Background>,
-    /// What the objects are made of, in world space.
+    /// The objects, for what their bounds are asked for; none where only surfaces matter.
     geometry: Geometry,
 }
 
@@ -51,6 +51,7 @@ impl FrameShading {
     /// Checks and gathers what shading needs.
     pub(crate) fn new(scene: &Scene, frame: &SceneFrame) -> Result<Self, RenderError> {
         let mut shading = Self::unlit(scene, frame)?;
+        shading.geometry = frame.geometry.clone();
         shading.lights = Lights::new(&shading, &frame.geometry, &frame.lights, scene.ambient);
         Ok(shading)
     }
@@ -74,7 +75,7 @@ impl FrameShading {
             textures: scene.textures.clone(),
             lights: Lights::default(),
             background: scene.background,
-            geometry: frame.geometry.clone(),
+            geometry: Geometry::default(),
         })
     }
 
