@@ -239,7 +239,7 @@ pub(crate) struct RenderArguments {
     /// lists.
     ///
     /// Pictures of both look the same. What a graphics card cannot render yet, paths and virtual
-    /// lights among it, the processor does, and the program says so.
+    /// lights with exact visibility among it, the processor does, and the program says so.
     #[arg(long, value_name = "DEVICE", default_value_t = Device::Cpu)]
     pub(crate) device: Device,
 

@@ -10,6 +10,8 @@ pub struct Budget {
     pub stages: Vec<StageTime>,
     /// Of the device and of the host.
     pub buffers: Vec<HeldBytes>,
+    /// Bytes of geometry and of what it looks like that the last commit sent to the device.
+    pub sent_bytes: u64,
 }
 
 /// How stages are timed.

@@ -27,6 +27,9 @@ pub enum AdapterChoice {
     Named(ArrayString<NAME_LENGTH>),
 }
 
+/// The kind of adapters that are no card.
+const SOFTWARE: &str = "software";
+
 /// What is known about an adapter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterSummary {
@@ -47,6 +50,11 @@ impl AdapterSummary {
         let interface = info.backend.to_string();
         let kind = kind_name(info.device_type);
         Self { name: info.name, kind, interface, driver: driver.trim().to_owned() }
+    }
+
+    /// Whether a processor stands in for a card.
+    pub(crate) fn is_software(&self) -> bool {
+        self.kind == SOFTWARE
     }
 }
 
@@ -149,7 +157,7 @@ const fn kind_name(kind: DeviceType) -> &'static str {
         DeviceType::IntegratedGpu => "integrated",
         DeviceType::VirtualGpu => "virtual",
         DeviceType::Other => "other",
-        DeviceType::Cpu => "software",
+        DeviceType::Cpu => SOFTWARE,
     }
 }
 

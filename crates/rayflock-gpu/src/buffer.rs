@@ -75,6 +75,16 @@ impl GrowingBuffer {
         buffer
     }
 
+    /// Writes `data` from `offset` on, where room has been reserved before.
+    pub(crate) fn write_at<T: bytemuck::Pod>(
+        &self,
+        context: &GpuContext,
+        offset: usize,
+        data: &[T],
+    ) {
+        context.queue.write_buffer(self.buffer(), offset as u64, bytemuck::cast_slice(data));
+    }
+
     /// The buffer, for which room has been reserved before.
     pub(crate) fn buffer(&self) -> &Buffer {
         let Some(buffer) = &self.buffer else {

@@ -9,7 +9,7 @@
 //!    times. What touches is appended, and the next stage is dispatched by its count.
 //! 4. **plan_lists** and **fill_lists** bring the blocks of each tile together.
 //! 5. **trace_tile** goes through their chunks from near to far, one workgroup a tile; rays that
-//!    share few of them go on alone.
+//!    share few of them go on alone. On cards four invocations have a ray in common.
 //!
 //! **Source.** L. Szecsi, "The Hierarchical Ray Engine", WSCG 2006; D. Roger, U. Assarsson, N.
 //! Holzschuch, "Whitted Ray-Tracing for Dynamic Scenes using a Ray-Space Hierarchy on the GPU",
@@ -35,6 +35,7 @@ use rayflock_engine::Budget;
 use wgpu::{Buffer, CommandEncoder};
 
 use self::buffers::Buffers;
+pub(crate) use self::stages::Form;
 use self::stages::Stages;
 use crate::buffer::{GrowingBuffer, part_of, range_of};
 use crate::layout::{Counters, DeviceHit, DeviceRay, Params};
@@ -157,17 +158,17 @@ pub(crate) fn pairs_needed(found: &Counters) -> usize {
 
 impl Compute {
     pub(crate) fn new(context: &GpuContext) -> Self {
-        Self::with_capacity(context, FIRST_CAPACITY, LARGEST_CAPACITY)
+        Self::with_capacity(context, Form::of(context), [FIRST_CAPACITY, LARGEST_CAPACITY])
     }
 
     /// With room for so many pairs at first, and at most.
     pub(crate) fn with_capacity(
         context: &GpuContext,
-        pair_capacity: usize,
-        largest_capacity: usize,
+        form: Form,
+        [pair_capacity, largest_capacity]: [usize; 2],
     ) -> Self {
         Self {
-            stages: Stages::new(context),
+            stages: Stages::new(context, form),
             buffers: Buffers::new(),
             chunks: Vec::new(),
             blocks: Vec::new(),

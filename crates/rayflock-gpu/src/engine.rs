@@ -162,7 +162,8 @@ impl RayEngine for GpuEngine {
         if let Some(standby) = &mut self.standby {
             return standby.commit(geometry, changes);
         }
-        let stats = self.primitives.commit(&self.context, geometry, changes, self.kind.name())?;
+        let (context, name) = (&self.context, self.kind.name());
+        let stats = self.primitives.commit(context, geometry, changes, name)?;
         self.clock.begin_frame();
         self.method.prepare(&self.context, &mut self.clock, &self.primitives);
         Ok(stats)

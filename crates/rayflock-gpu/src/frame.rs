@@ -11,13 +11,14 @@
 //!    **add_emitted** brings the light to the film.
 //! 4. For each light, **shadow_rays** between it and the points, the stages of the engine once more,
 //!    and **add_lit**.
+//! 5. **gather_lights** adds what virtual lights send past spheres, where there are any.
 //!
 //! **Source.** T. Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980; for
 //! the rays of a bounce that are written where the next pass reads them, L. Szecsi, "The Hierarchical
 //! Ray Engine", WSCG 2006.
 //!
-//! **Departures** from the renderer of the CPU: sums in `f32`, in any order; what rays
-//! from the camera hit is drawn, not traced.
+//! **Departures** from the renderer of the CPU: sums in `f32`, in any order; what rays from the
+//! camera hit is drawn, not traced; each point asks for itself what it sees of virtual lights.
 //!
 //! **Invariants.** Whatever outgrows its buffer is counted, and read with the picture; then the band
 //! is rendered anew with more room, or fewer rows. Nothing is dropped.
@@ -26,6 +27,8 @@
 
 mod attributes;
 mod buffers;
+mod deform;
+mod gather_lights;
 mod photons;
 mod picture;
 mod render_band;
@@ -36,15 +39,14 @@ mod standby;
 #[cfg(test)]
 mod tests;
 mod trace_log;
+mod virtual_lights;
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use rayflock_engine::{Budget, CommitStats};
 use rayflock_render::prepared::PreparedFrame;
-use rayflock_render::{
-    Film, FrameRenderer, FrameStats, Indirect, RenderError, RenderSettings, Shown, View,
-};
+use rayflock_render::{Film, FrameRenderer, FrameStats, RenderError, RenderSettings, Shown, View};
 use rayflock_scene::{Scene, SceneFrame};
 use tracing::debug_span;
 
@@ -54,6 +56,11 @@ pub(crate) use self::attributes::{HAS_NORMALS, HAS_UVS, IS_MIRRORED};
 use self::buffers::FrameBuffers;
 #[cfg(test)]
 pub(crate) use self::buffers::{FOLLOWED, MIRRORED, SHADOW};
+use self::deform::Deformer;
+#[cfg(test)]
+pub(crate) use self::deform::{INFLUENCE_WORDS, JOINT_WORDS, TARGET_WORDS};
+#[cfg(test)]
+pub(crate) use self::gather_lights::{BLOCK_SPHERES, SUM_PLACES};
 use self::photons::Photons;
 use self::picture::{Band, Picture, Rendered};
 pub use self::scan::PrimaryVisibility;
@@ -62,6 +69,7 @@ use self::scene_data::SceneData;
 use self::stages::FrameStages;
 use self::standby::FrameStandby;
 use self::trace_log::TraceLog;
+use self::virtual_lights::{VirtualLightStore, beyond_device};
 use crate::compute::Compute;
 use crate::method::Method;
 use crate::primitives::PrimitiveStore;
@@ -87,6 +95,7 @@ struct DeviceFrame {
     clock: StageClock,
     primitives: PrimitiveStore,
     attributes: AttributeStore,
+    deformer: Deformer,
     scene: SceneData,
     compute: Compute,
     stages: FrameStages,
@@ -95,6 +104,7 @@ struct DeviceFrame {
     scan: Scan,
     photons: Photons,
     log: TraceLog,
+    virtual_lights: VirtualLightStore,
     /// Why the device cannot render the committed frame, if it cannot.
     refused: Option<String>,
 }
@@ -114,6 +124,7 @@ impl GpuRenderer {
             clock: StageClock::new(context),
             primitives: PrimitiveStore::default(),
             attributes: AttributeStore::default(),
+            deformer: Deformer::new(context),
             scene: SceneData::default(),
             compute,
             stages: FrameStages::new(context),
@@ -122,6 +133,7 @@ impl GpuRenderer {
             scan: Scan::new(context),
             photons: Photons::new(context),
             log: TraceLog::new(),
+            virtual_lights: VirtualLightStore::default(),
             refused: None,
         };
         context.check()?;
@@ -154,6 +166,7 @@ impl FrameRenderer for GpuRenderer {
     fn commit(&mut self, scene: &Scene, frame: &SceneFrame) -> Result<CommitStats, RenderError> {
         let _span = debug_span!("commit_frame").entered();
         self.prepared = None;
+        self.device.virtual_lights.commit(frame);
         let prepared = PreparedFrame::new(scene, frame)?;
         let on_cpu = self.standby.commit(scene, frame)?;
         let device = &mut self.device;
@@ -209,9 +222,18 @@ impl DeviceFrame {
         prepared: &PreparedFrame,
     ) -> Result<CommitStats, RenderError> {
         let (geometry, changes) = (&frame.geometry, &frame.changes);
-        let stats = self.primitives.commit(context, geometry, changes, NAME)?;
-        self.compute.prepare(context, &mut self.clock, &self.primitives);
-        self.attributes.commit(context, frame, &self.primitives);
+        let (deformer, mut made) = (&mut self.deformer, Vec::new());
+        deformer.plan(context, frame);
+        let elsewhere = |object_idx| {
+            let is_made = deformer.can_make(object_idx);
+            made.extend(is_made.then_some(object_idx));
+            is_made
+        };
+        let stats = self.primitives.commit_but(context, geometry, changes, NAME, elsewhere)?;
+        self.attributes.commit(context, frame, &self.primitives, &made);
+        let (clock, attributes) = (&mut self.clock, self.attributes.buffer());
+        self.deformer.make(context, clock, (frame, &made), &self.primitives, attributes);
+        self.compute.prepare(context, clock, &self.primitives);
         self.scene.commit(context, scene, prepared);
         Ok(stats)
     }
@@ -231,6 +253,8 @@ impl DeviceFrame {
             Ok(None) => return Err(cannot("so many photons")),
             Err(fault) => return Err(lost(&fault)),
         }
+        self.virtual_lights.prepare(context, picture, &mut stats)?;
+        let gathered_before = self.gather_seconds();
         let mut rows_at_once = picture.rows_at_once(width);
         let mut first_row = 0;
         while first_row < height {
@@ -249,6 +273,7 @@ impl DeviceFrame {
                 Err(fault) => return Err(lost(&fault)),
             }
         }
+        stats.indirect.gather_seconds = self.gather_seconds() - gathered_before;
         stats.trace_seconds = start.elapsed().as_secs_f64();
         Ok(stats)
     }
@@ -257,12 +282,14 @@ impl DeviceFrame {
         let mut budget = self.clock.budget();
         self.primitives.hold(&mut budget);
         self.attributes.hold(&mut budget);
+        self.deformer.hold(&mut budget);
         self.scene.hold(&mut budget);
         self.compute.hold(&mut budget);
         self.buffers.hold(&mut budget);
         self.scan.hold(&mut budget);
         self.photons.hold(&mut budget);
         self.log.hold(&mut budget);
+        self.virtual_lights.hold(&mut budget);
         budget
     }
 }
@@ -287,8 +314,8 @@ fn unsupported(settings: &RenderSettings, width: usize) -> Option<String> {
     if settings.shown != Shown::Light {
         return Some(cannot(&format!("the view \"{}\"", settings.shown)));
     }
-    if settings.indirect != Indirect::Off {
-        return Some(cannot("light from virtual lights"));
+    if let Some(what) = beyond_device(&settings.indirect) {
+        return Some(cannot(what));
     }
     (width > picture::MOST_COLUMNS).then(|| cannot(&format!("rows of {width} pixels")))
 }

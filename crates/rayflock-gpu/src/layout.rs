@@ -6,6 +6,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
+pub(crate) mod virtual_lights;
+
 /// `Primitive` of `shared/primitive.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -193,6 +195,10 @@ pub(crate) struct FrameParams {
     pub(crate) subpixel: [f32; 2],
     pub(crate) first_slot: u32,
     pub(crate) next_first_slot: u32,
+    pub(crate) conserves: u32,
+    pub(crate) unused_a: u32,
+    pub(crate) unused_b: u32,
+    pub(crate) unused_c: u32,
 }
 
 /// `ScanParams` of `frame/scan.wgsl`.
@@ -282,6 +288,38 @@ impl Attributes {
         }
     }
 }
+
+/// `DeformedObject` of `frame/deformed_object.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct DeformedObject {
+    pub(crate) x_axis: [f32; 3],
+    pub(crate) first_vertex: u32,
+    pub(crate) y_axis: [f32; 3],
+    pub(crate) vertex_count: u32,
+    pub(crate) z_axis: [f32; 3],
+    pub(crate) first_triangle: u32,
+    pub(crate) translation: [f32; 3],
+    pub(crate) triangle_count: u32,
+    pub(crate) first_rank: u32,
+    pub(crate) mask: u32,
+    pub(crate) corners: u32,
+    pub(crate) positions: u32,
+    pub(crate) normals: u32,
+    pub(crate) next_positions: u32,
+    pub(crate) next_normals: u32,
+    pub(crate) share: f32,
+    pub(crate) influences: u32,
+    pub(crate) joints: u32,
+    pub(crate) targets: u32,
+    pub(crate) target_count: u32,
+}
+
+/// Bytes of a `DeformedVertex` of `frame/deformed_object.wgsl`, which the device keeps to itself.
+pub(crate) const DEFORMED_VERTEX_BYTES: usize = 32;
+
+/// `NOWHERE` of `frame/deformed_object.wgsl`.
+pub(crate) const NOWHERE: u32 = u32::MAX;
 
 /// `Light` of `frame/light.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

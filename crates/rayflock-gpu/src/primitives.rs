@@ -36,6 +36,8 @@ pub(crate) struct PrimitiveStore {
     /// By rank.
     prims: Vec<DevicePrimitive>,
     parts: Vec<GrowingBuffer>,
+    /// With the last commit.
+    sent_bytes: u64,
 }
 
 /// The ranks of one object.
@@ -71,6 +73,22 @@ impl PrimitiveStore {
         changes: &FrameChanges,
         engine: &str,
     ) -> Result<CommitStats, EngineError> {
+        self.commit_but(context, geometry, changes, engine, |_| false)
+    }
+
+    /// The same, but nothing is written of objects that changed and that `elsewhere`, given their
+    /// place, claims: a stage will do so.
+    ///
+    /// # Errors
+    /// As [`Self::commit`].
+    pub(crate) fn commit_but(
+        &mut self,
+        context: &GpuContext,
+        geometry: &Geometry,
+        changes: &FrameChanges,
+        engine: &str,
+        mut elsewhere: impl FnMut(usize) -> bool,
+    ) -> Result<CommitStats, EngineError> {
         let _span = debug_span!("send_primitives").entered();
         let has_users =
             |object: &GeometryObject| object.shape.user().is_some_and(|user| !user.is_empty());
@@ -81,14 +99,20 @@ impl PrimitiveStore {
         }
         let is_same_layout = self.assign_spans(geometry);
         self.reserve_parts(context);
+        self.sent_bytes = 0;
         let mut stats = CommitStats { prim_count: self.prims.len(), ..CommitStats::default() };
         for (idx, object) in geometry.objects().iter().enumerate() {
             // A wrong hint does no harm: meshes are immutable, and compared by identity.
             let is_claimed = changes.get(object.id) == ObjectChange::Unchanged;
             let before = || self.geometry.objects().get(idx);
-            if !(is_same_layout && is_claimed && before().is_some_and(|b| object.is_same(b))) {
-                stats.rewritten_count += self.write_object(idx, object);
-                self.send(context, self.spans[idx].ranks.clone());
+            if is_same_layout && is_claimed && before().is_some_and(|b| object.is_same(b)) {
+                continue;
+            }
+            let ranks = self.spans[idx].ranks.clone();
+            stats.rewritten_count += ranks.len();
+            if !elsewhere(idx) {
+                self.write_object(ranks.clone(), object);
+                self.send(context, ranks);
             }
         }
         self.geometry = geometry.clone();
@@ -131,6 +155,7 @@ impl PrimitiveStore {
         let staged = self.prims.capacity() * size_of::<DevicePrimitive>();
         budget.hold("staged primitives", staged as u64);
         self.parts.iter().for_each(|part| part.hold(budget));
+        budget.sent_bytes += self.sent_bytes;
     }
 
     /// The ranks of each object.
@@ -165,11 +190,10 @@ impl PrimitiveStore {
         }
     }
 
-    /// Writes the primitives of an object; returns how many.
-    fn write_object(&mut self, idx: usize, object: &GeometryObject) -> usize {
-        let ranks = self.spans[idx].ranks.clone();
+    /// Writes the primitives of an object, which have these ranks.
+    fn write_object(&mut self, ranks: Range<usize>, object: &GeometryObject) {
         let (first_rank, triangle_count) = (ranks.start, object.shape.triangles().len());
-        let prims = self.prims[ranks.clone()].par_iter_mut().enumerate();
+        let prims = self.prims[ranks].par_iter_mut().enumerate();
         prims.with_min_len(PRIMS_PER_TASK).for_each(|(prim_idx, prim)| {
             let written = match prim_idx.checked_sub(triangle_count) {
                 None => triangle(object, prim_idx),
@@ -177,20 +201,18 @@ impl PrimitiveStore {
             };
             *prim = DevicePrimitive { rank: (first_rank + prim_idx) as u32, ..written };
         });
-        ranks.len()
     }
 
     /// Sends the primitives of these ranks to the device.
     fn send(&mut self, context: &GpuContext, ranks: Range<usize>) {
-        let (prims, size) = (&self.prims, size_of::<DevicePrimitive>());
-        for (part_idx, part) in self.parts.iter_mut().enumerate() {
+        let size = size_of::<DevicePrimitive>();
+        self.sent_bytes += (ranks.len() * size) as u64;
+        for (part_idx, part) in self.parts.iter().enumerate() {
             let begin = part_idx * PART_PRIMS;
             let first = ranks.start.max(begin);
             let end = ranks.end.min(begin + PART_PRIMS);
             if first < end {
-                let buffer = part.reserve(context, 0);
-                let bytes = bytemuck::cast_slice(&prims[first..end]);
-                context.queue.write_buffer(buffer, ((first - begin) * size) as u64, bytes);
+                part.write_at(context, (first - begin) * size, &self.prims[first..end]);
             }
         }
     }

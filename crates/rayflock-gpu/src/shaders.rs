@@ -30,6 +30,7 @@ pub(crate) const BRUTE_CROSS: Shader = shader!(
     "shared/ray",
     "shared/limits",
     "shared/intersect",
+    "shared/order",
     "shared/depth",
     "shared/write_hit",
     "shared/ray_textures",
@@ -52,6 +53,7 @@ pub(crate) const RASTER_TRACE_TILE: Shader = shader!(
     "shared/limits",
     "shared/intersect",
     "shared/cone",
+    "shared/order",
     "shared/depth",
     "shared/write_hit",
     "shared/tiles",
@@ -78,10 +80,19 @@ pub(crate) const REFINE: Shader =
     shader!("compute/refine", "shared/cone", "compute/params", "compute/append");
 pub(crate) const PLAN_LISTS: Shader = shader!("compute/plan_lists", "compute/params");
 pub(crate) const FILL_LISTS: Shader = shader!("compute/fill_lists", "compute/params");
-pub(crate) const TRACE_TILE: Shader = shader!(
+/// A stage of which there is one form for cards and one for processors that stand in for them.
+macro_rules! two_forms {
+    ($name:literal, $($shared:literal),*) => {
+        [shader!($name, $($shared,)* "compute/narrow"), shader!($name, $($shared,)* "compute/wide")]
+    };
+}
+
+/// The narrow form, then the wide one.
+pub(crate) const TRACE_TILE: [Shader; 2] = two_forms!(
     "compute/trace_tile",
     "shared/primitive",
     "shared/ray",
+    "shared/order",
     "shared/question",
     "shared/limits",
     "shared/intersect",
@@ -112,6 +123,7 @@ pub(crate) const CAMERA_RAYS: Shader = shader!(
     "shared/ray",
     "shared/limits",
     "shared/intersect",
+    "shared/vector",
     "frame/frame"
 );
 pub(crate) const SCAN_PRIMITIVES: Shader = shader!(
@@ -119,6 +131,7 @@ pub(crate) const SCAN_PRIMITIVES: Shader = shader!(
     "shared/primitive",
     "shared/ray",
     "shared/intersect",
+    "shared/order",
     "shared/depth",
     "shared/write_hit",
     "frame/scan",
@@ -144,20 +157,23 @@ pub(crate) const SHADE_SURFACE: Shader = shader!(
     "shared/ray",
     "shared/limits",
     "shared/intersect",
+    "shared/vector",
     "frame/frame",
+    "frame/attributes",
     "frame/surface_point",
     "frame/scatter",
     "frame/material",
     "frame/turns"
 );
 pub(crate) const ADD_EMITTED: Shader =
-    shader!("frame/add_emitted", "shared/ray", "frame/frame", "frame/film");
+    shader!("frame/add_emitted", "shared/ray", "shared/vector", "frame/frame", "frame/film");
 pub(crate) const SHADOW_RAYS: Shader = shader!(
     "frame/shadow_rays",
     "shared/primitive",
     "shared/ray",
     "shared/limits",
     "shared/intersect",
+    "shared/vector",
     "frame/frame",
     "frame/lamp",
     "frame/light"
@@ -168,19 +184,45 @@ pub(crate) const ADD_LIT: Shader = shader!(
     "shared/ray",
     "shared/limits",
     "shared/intersect",
+    "shared/vector",
     "frame/frame",
     "frame/film",
     "frame/lamp",
     "frame/light"
+);
+pub(crate) const GATHER_LIGHTS: Shader = shader!(
+    "frame/gather_lights",
+    "shared/ray",
+    "shared/limits",
+    "shared/cone",
+    "shared/vector",
+    "frame/frame",
+    "frame/film",
+    "frame/virtual_light",
+    "frame/point_tile",
+    "frame/light_shaft",
+    "frame/past_spheres"
+);
+
+pub(crate) const DEFORM_VERTICES: Shader =
+    shader!("frame/deform_vertices", "shared/vector", "frame/deformed_object");
+pub(crate) const WRITE_TRIANGLES: Shader = shader!(
+    "frame/write_triangles",
+    "shared/primitive",
+    "shared/vector",
+    "frame/attributes",
+    "frame/deformed_object"
 );
 
 pub(crate) const LEAVE_PHOTONS: Shader = shader!(
     "frame/leave_photons",
     "shared/primitive",
     "shared/ray",
+    "shared/vector",
     "shared/limits",
     "shared/intersect",
     "frame/frame",
+    "frame/attributes",
     "frame/surface_point",
     "frame/scatter",
     "frame/material",
@@ -195,6 +237,7 @@ pub(crate) const PLACE_PHOTONS: Shader =
 pub(crate) const GATHER_PHOTONS: Shader = shader!(
     "frame/gather_photons",
     "shared/ray",
+    "shared/vector",
     "frame/frame",
     "frame/film",
     "frame/photon",
@@ -217,7 +260,8 @@ pub(crate) const ALL: &[Shader] = &[
     REFINE,
     PLAN_LISTS,
     FILL_LISTS,
-    TRACE_TILE,
+    TRACE_TILE[0],
+    TRACE_TILE[1],
     BOUND_SCENE,
     MARK_DIRECTIONS,
     OPEN_SUBFIELDS,
@@ -232,6 +276,9 @@ pub(crate) const ALL: &[Shader] = &[
     ADD_EMITTED,
     SHADOW_RAYS,
     ADD_LIT,
+    DEFORM_VERTICES,
+    WRITE_TRIANGLES,
+    GATHER_LIGHTS,
     LEAVE_PHOTONS,
     SORT_PHOTONS,
     PLACE_PHOTONS,

@@ -94,7 +94,7 @@ impl StageClock {
     pub(crate) fn budget(&self) -> Budget {
         let has_timestamps = self.timestamps.is_some();
         let clock = if has_timestamps { Clock::Timestamps } else { Clock::Submissions };
-        Budget { clock, stages: self.times.clone(), buffers: Vec::new() }
+        Budget { clock, stages: self.times.clone(), ..Budget::default() }
     }
 }
 

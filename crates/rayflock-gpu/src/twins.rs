@@ -4,8 +4,11 @@
 //! Functions have the names of the files in `shader/`; [`TWINS`] says for each stage where its
 //! definition is, or why it has none.
 
+mod gather_lights;
+
 use glam::{DVec2, Vec3};
 
+pub(crate) use self::gather_lights::{InTheWay, LitPoint, gather_lights};
 use crate::layout::{Cone, DevicePrimitive, DeviceRay, SPHERE, TileRange};
 
 /// Where the definition of a stage is.
@@ -25,6 +28,9 @@ const BY_PICTURE: &str = "the stage of this name of the renderer on the CPU (ray
 
 const BY_TRACING: &str = "rays from the camera hit what the stages of gpu:compute find for the \
                           same rays (src/frame/scan/tests.rs)";
+
+const BY_EVALUATOR: &str = "the frames of `Evaluator` (rayflock-scene), written by the host; what the \
+                            device writes is compared with it (src/frame/deform/tests.rs)";
 
 /// Every stage.
 pub(crate) const TWINS: &[(&str, Twin)] = &[
@@ -84,6 +90,9 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
         "frame/add_lit",
         Twin::Elsewhere("the stage `accumulate` of the renderer, for what shadow rays decide"),
     ),
+    ("frame/deform_vertices", Twin::Elsewhere(BY_EVALUATOR)),
+    ("frame/write_triangles", Twin::Elsewhere(BY_EVALUATOR)),
+    ("frame/gather_lights", Twin::Here),
     (
         "frame/leave_photons",
         Twin::Elsewhere("the renderer's caustics/shoot; pictures of both are compared"),
@@ -251,7 +260,9 @@ mod tests {
 
     #[test]
     fn every_stage_has_a_definition_or_a_reason() {
-        let stages: Vec<_> = ALL.iter().map(|shader| shader.name).collect();
+        let mut stages: Vec<_> = ALL.iter().map(|shader| shader.name).collect();
+        // Some stages have several forms.
+        stages.dedup();
         let told: Vec<_> = TWINS.iter().map(|(name, _)| *name).collect();
         assert_eq!(told, stages);
         for (name, twin) in TWINS {

@@ -4,15 +4,18 @@
 //! Surfaces, materials and textures are those of the scene and the frame themselves; once they are
 //! checked, every index in them is good.
 
+mod virtual_lights;
+
 use glam::{Vec2, Vec3};
 use rayflock_scene::{Background, LightKind, Scene, SceneFrame};
 
+pub use self::virtual_lights::{PreparedVirtualLights, ShotLights};
 use crate::caustics::{CausticSettings, LightView, light_views};
 use crate::frame_shading::FrameShading;
 pub use crate::lights::emitters::{Emitter, EmitterShape};
 use crate::lights::key_light::SKY_SHARE;
 use crate::shading::sampling::subpixel;
-use crate::{RenderError, RenderSettings, View};
+use crate::{Indirect, RenderError, RenderSettings, View};
 
 /// A frame whose parts fit together.
 #[derive(Debug)]
@@ -23,12 +26,16 @@ pub struct PreparedFrame(FrameShading);
 pub struct PictureLights {
     /// Lights in world space: those of the scene, or the key light of scenes without any.
     pub lights: Vec<LightKind>,
-    /// Light from everywhere, as irradiance over pi.
+    /// Light from everywhere, as irradiance over pi; none where virtual lights are gathered.
     pub ambient: Vec3,
     /// What rays see that hit nothing.
     pub background: Background,
-    /// The share of the background that lights surfaces, in place of lights that are not there.
+    /// The share of the background that lights surfaces, in place of lights that are not there; 0
+    /// where virtual lights are gathered.
     pub sky_share: f32,
+    /// Whether surfaces that would send back more light than arrives are scaled down, as they are
+    /// where light goes on from surface to surface.
+    pub conserves: bool,
 }
 
 /// Whence lights are thrown by mirrors and glass, and how what they throw is gathered.
@@ -55,12 +62,14 @@ impl PreparedFrame {
     /// What lights a picture from `view`.
     pub fn lights(&self, view: &View, settings: &RenderSettings) -> PictureLights {
         let shading = &self.0;
-        let sky_share = if shading.lights.are_missing() { SKY_SHARE } else { 0.0 };
+        let is_direct = settings.indirect == Indirect::Off;
+        let lights_by_sky = is_direct && shading.lights.are_missing();
         PictureLights {
             lights: shading.lights.seen_from(view),
-            ambient: shading.lights.ambient,
+            ambient: if is_direct { shading.lights.ambient } else { Vec3::ZERO },
             background: shading.background_of(settings),
-            sky_share,
+            sky_share: if lights_by_sky { SKY_SHARE } else { 0.0 },
+            conserves: !is_direct,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use crate::{MotionKind, SurfaceMesh};
+use crate::{KeySpan, MotionKind, SurfaceMesh};
 
 /// A mesh that is a function of time.
 ///
@@ -29,4 +29,10 @@ pub trait AnimatedMesh: Debug + Send + Sync {
     /// # Errors
     /// A message for the user when the mesh cannot be had, such as a file gone or damaged.
     fn at(&self, time: f64) -> Result<SurfaceMesh, String>;
+
+    /// The keys that the mesh at `time` lies between, where it does so: for those who interpolate
+    /// themselves what [`at`](Self::at) returns. The same two meshes for the whole span.
+    fn span_at(&self, _time: f64) -> Option<KeySpan> {
+        None
+    }
 }

@@ -11,8 +11,8 @@ use crate::pose::Pose;
 use crate::track::ObjectTrack;
 use crate::validate;
 use crate::{
-    Clip, LightKind, MaterialIdx, MotionKind, NodeIdx, Scene, SceneError, SceneFrame, SceneObject,
-    SurfaceMesh,
+    Clip, Deformation, LightKind, MaterialIdx, MotionKind, NodeIdx, Scene, SceneError, SceneFrame,
+    SceneObject, SurfaceMesh,
 };
 
 /// How long a mesh that moves for ever is looked at, in seconds.
@@ -124,12 +124,14 @@ impl Evaluator {
             self.pose.set_time(&self.scene.nodes, clip, clip_time);
         }
         let surfaces = self.surfaces(time)?;
+        let deformations = self.deformations();
         let geometry = self.geometry(&surfaces)?;
         self.frame = SceneFrame {
             time,
             changes: FrameChanges::between(&self.frame.geometry, &geometry),
             geometry,
             surfaces,
+            deformations,
             lights: self.lights(),
             cameras: self.cameras(),
         };
@@ -146,6 +148,15 @@ impl Evaluator {
             track.surface_at(&self.pose, time, self.scene.materials.len())
         };
         objects.map(surface).collect()
+    }
+
+    /// How the surfaces came about.
+    fn deformations(&self) -> Vec<Deformation> {
+        let deformation = |(object, track): (&SceneObject, &ObjectTrack)| {
+            let is_shown = object.node.is_none_or(|node| self.pose.shows(node));
+            if is_shown { track.deformation() } else { Deformation::None }
+        };
+        self.scene.objects.iter().zip(&self.tracks).map(deformation).collect()
     }
 
     /// The objects in the world.

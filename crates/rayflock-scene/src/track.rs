@@ -16,8 +16,8 @@ use crate::deform;
 use crate::pose::Pose;
 use crate::validate::check_surface;
 use crate::{
-    AnimatedMesh, MorphTarget, MotionKind, NodeIdx, SceneError, SceneObject, Shape, Skin,
-    SurfaceMesh,
+    AnimatedMesh, Bend, Deformation, MorphTarget, MotionKind, NodeIdx, SceneError, SceneObject,
+    Shape, Skin, SurfaceMesh,
 };
 
 /// One object from frame to frame.
@@ -72,6 +72,22 @@ impl ObjectTrack {
             Self::Fixed(surface) => Ok(surface.clone()),
             Self::Deformed(track) => Ok(track.surface_at(pose)),
             Self::Animated(track) => track.surface_at(time, material_count),
+        }
+    }
+
+    /// How the mesh of the last call of [`Self::surface_at`] came about.
+    pub(crate) fn deformation(&self) -> Deformation {
+        match self {
+            Self::Fixed(_) => Deformation::None,
+            Self::Deformed(track) => Deformation::Bent(track.bend()),
+            Self::Animated(track) => {
+                let span = |(time, _): &(f64, SurfaceMesh)| track.mesh.span_at(*time);
+                track
+                    .current
+                    .as_ref()
+                    .and_then(span)
+                    .map_or(Deformation::None, Deformation::Between)
+            }
         }
     }
 
@@ -167,6 +183,13 @@ impl DeformedTrack {
         }
         deform::normalize(&rest.normals, normals);
         surface
+    }
+
+    /// What bends the current mesh.
+    fn bend(&self) -> Bend {
+        let DeformSource { weights, world_from_rest } = self.source.clone();
+        let (rest, targets) = (self.rest.clone(), Arc::clone(&self.targets));
+        Bend { rest, targets, weights, skin: self.skin.clone(), world_from_rest }
     }
 
     fn motion(&self, pose: &Pose) -> MotionKind {

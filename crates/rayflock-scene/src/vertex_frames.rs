@@ -10,8 +10,8 @@ use glam::Vec3;
 use rayflock_geom::Mesh;
 
 use crate::blend::blended;
-use crate::key_times::{check_times, span_at};
-use crate::{AnimatedMesh, MotionKind, SceneError, SurfaceAttributes, SurfaceMesh};
+use crate::key_times::{check_times, key_at, span_at};
+use crate::{AnimatedMesh, KeySpan, MotionKind, SceneError, SurfaceAttributes, SurfaceMesh};
 
 /// A mesh of one topology whose vertices move linearly from key to key.
 #[derive(Clone, Debug)]
@@ -85,11 +85,18 @@ impl AnimatedMesh for VertexFrames {
     }
 
     fn at(&self, time: f64) -> Result<SurfaceMesh, String> {
+        Ok(match self.span_at(time) {
+            Some(KeySpan { before, after, share }) => blended(&before, &after, share),
+            None => self.key(key_at(&self.times, time)),
+        })
+    }
+
+    fn span_at(&self, time: f64) -> Option<KeySpan> {
         let (before, share) = span_at(&self.times, time);
-        if share == 0.0 {
-            return Ok(self.key(before));
-        }
-        Ok(blended(&self.key(before), &self.key(before + 1), share))
+        (share > 0.0).then(|| {
+            let [before, after] = [before, before + 1].map(|key_idx| self.key(key_idx));
+            KeySpan { before, after, share }
+        })
     }
 }
 

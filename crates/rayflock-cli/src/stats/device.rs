@@ -14,6 +14,8 @@ pub(crate) struct DeviceRecord {
     pub(crate) stages: BTreeMap<String, DeviceStage>,
     /// Bytes on either side, by what they hold.
     pub(crate) bytes: BTreeMap<String, u64>,
+    /// Bytes of geometry and attributes that went to the device for this frame.
+    pub(crate) sent_bytes: u64,
 }
 
 /// What one stage took.
@@ -37,6 +39,7 @@ impl DeviceRecord {
             clock: budget.clock.name().to_owned(),
             stages: stages.collect(),
             bytes: bytes.collect(),
+            sent_bytes: budget.sent_bytes,
         })
     }
 }

@@ -40,13 +40,13 @@ use super::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16};
 /// A sphere counts in full where its centre lies this share of the outer radius above the plane of
 /// an end point, and less below. Among 0.02, 0.1, 0.25, 0.5 and 1, with shares of [`AT_END`] of 0.25,
 /// 0.5, 0.75 and 1, these two came nearest to what is exact in three built-in scenes.
-const RISE: f32 = 0.25;
+pub const RISE: f32 = 0.25;
 
 /// The share of what a sphere would dim at an end point that does not count.
-const AT_END: f32 = 0.75;
+pub const AT_END: f32 = 0.75;
 
 /// Less light than this share is none.
-const DARK: f32 = 1.0 / 512.0;
+pub const DARK: f32 = 1.0 / 512.0;
 
 /// Spheres between two looks at whether any light is left.
 const STRIDE: usize = 4;
@@ -78,7 +78,7 @@ impl SoftSphere {
 
     /// How fast the dimming falls with the squared distance.
     #[inline(always)]
-    fn slope(&self) -> f32 {
+    pub fn slope(&self) -> f32 {
         let width = self.outer * self.outer - self.inner * self.inner;
         self.opacity / width.max(f32::MIN_POSITIVE)
     }

@@ -35,6 +35,27 @@ impl Wall {
         axes.iter().all(|axis| axis.is_finite()).then_some(Self { corner, normal, axes, opacity })
     }
 
+    /// The corner.
+    pub const fn corner(&self) -> Vec3 {
+        self.corner
+    }
+
+    /// Across the wall, of unit length.
+    pub const fn normal(&self) -> Vec3 {
+        self.normal
+    }
+
+    /// Products of these and an offset from the corner are its coordinates along both edges: from 0
+    /// to 1 within.
+    pub const fn axes(&self) -> [Vec3; 2] {
+        self.axes
+    }
+
+    /// The share of light that the wall takes away.
+    pub const fn opacity(&self) -> f32 {
+        self.opacity
+    }
+
     /// How far a point lies above the plane, on the side of the normal.
     #[inline]
     pub fn height(&self, point: Vec3) -> f32 {

@@ -2,25 +2,20 @@
 // primitive. So all are at work, however unevenly the pairs are spread over the rays.
 
 // As many as `meet_chunks` leaves to it.
-const PAIR_ROOM: u32 = MASK_BITS * TILE_RAYS / SPARSE;
+const PAIR_ROOM: u32 = CHUNKS_ASKED * TILE_RAYS / SPARSE;
+const PAIRS_AT_ONCE: u32 = LANES / CHUNK_PRIMS;
 
-// The rays of the tile, and how far hits of each are of interest, as t.
 var<workgroup> tile_rays: array<PreparedRay, TILE_RAYS>;
-var<workgroup> tile_bounds: array<f32, TILE_RAYS>;
-// Which ray, and which of the kept chunks, in the low bits.
+// Which ray, and which of the kept chunks, in the low digits.
 var<workgroup> pairs: array<u32, PAIR_ROOM>;
 var<workgroup> pair_count: atomic<u32>;
-// What was hit since rays last looked, and by which of them.
-var<workgroup> found_hits: array<Hit, TILE_RAYS>;
-var<workgroup> found_rays: array<u32, TILE_RAYS>;
-var<workgroup> found_count: atomic<u32>;
 
 // The chunks of which `own` has a bit, from the kept chunk `first` on.
 fn meet_alone(tracer: ptr<function, Tracer>, first: u32, own: u32, lane: u32) {
-    tile_bounds[lane] = (*tracer).hit.t;
     var bits = own;
     while (bits != 0u) {
-        pairs[atomicAdd(&pair_count, 1u)] = lane * CHUNK_ROOM + first + firstTrailingBit(bits);
+        let pair = (*tracer).idx * CHUNK_ROOM + first + firstTrailingBit(bits);
+        pairs[atomicAdd(&pair_count, 1u)] = pair;
         bits &= bits - 1u;
     }
     workgroupBarrier();
@@ -28,45 +23,28 @@ fn meet_alone(tracer: ptr<function, Tracer>, first: u32, own: u32, lane: u32) {
         shared_count = atomicExchange(&pair_count, 0u);
     }
     let count = workgroupUniformLoad(&shared_count);
-    for (var begin = 0u; begin < count; begin += CHUNKS_AT_ONCE) {
+    for (var begin = 0u; begin < count; begin += PAIRS_AT_ONCE) {
         let idx = begin + lane / CHUNK_PRIMS;
+        var ray_idx = 0u;
+        var found = Hit(0.0, 0.0, 0.0, NO_RANK);
         if (idx < count) {
-            test_pair(tracer, pairs[idx], lane);
+            ray_idx = pairs[idx] / CHUNK_ROOM;
+            found = test_pair(tracer, ray_idx, pairs[idx] % CHUNK_ROOM, lane);
         }
-        take_found(tracer, lane);
+        settle(ray_idx, found, lane);
     }
 }
 
-// One primitive of the chunk, which depends on the invocation, against the ray of the pair.
-fn test_pair(tracer: ptr<function, Tracer>, pair: u32, lane: u32) {
-    let prim_idx = kept_chunks[pair % CHUNK_ROOM] * CHUNK_PRIMS + lane % CHUNK_PRIMS;
-    if (prim_idx < arrayLength(&primitives)) {
+// One primitive of the chunk, which depends on the invocation, against a ray of the tile.
+fn test_pair(tracer: ptr<function, Tracer>, ray_idx: u32, kept_idx: u32, lane: u32) -> Hit {
+    let prim_idx = kept_chunks[kept_idx] * CHUNK_PRIMS + lane % CHUNK_PRIMS;
+    if (prim_idx < arrayLength(&primitives) && is_sought(ray_idx)) {
         let prim = primitives[prim_idx];
-        let ray_idx = pair / CHUNK_ROOM;
         count_test(tracer, prim);
-        let found = intersect(tile_rays[ray_idx], prim, tile_bounds[ray_idx]);
+        let found = intersect(tile_rays[ray_idx], prim, bound_of(ray_idx));
         if (found.accepted) {
-            let place = atomicAdd(&found_count, 1u);
-            found_hits[place] = Hit(found.t, found.u, found.v, prim.rank);
-            found_rays[place] = ray_idx;
+            return Hit(found.t, found.u, found.v, prim.rank);
         }
     }
-}
-
-// Each ray takes what was found for it.
-fn take_found(tracer: ptr<function, Tracer>, lane: u32) {
-    workgroupBarrier();
-    if (lane == 0u) {
-        shared_count = atomicExchange(&found_count, 0u);
-    }
-    let count = workgroupUniformLoad(&shared_count);
-    for (var idx = 0u; idx < count; idx++) {
-        if (found_rays[idx] == lane) {
-            take_hit(tracer, found_hits[idx]);
-            tile_bounds[lane] = select(-FARTHEST, (*tracer).hit.t, (*tracer).is_active);
-        }
-    }
-    if (count > 0u) {
-        workgroupBarrier();
-    }
+    return Hit(0.0, 0.0, 0.0, NO_RANK);
 }

@@ -1,5 +1,5 @@
-// Traces the rays of each tile against the primitives of its blocks: one workgroup a tile, one
-// invocation a ray, the nearest hit in registers.
+// Traces the rays of each tile against the primitives of its blocks: one workgroup a tile, some
+// invocations a ray.
 //
 // The chunks of the blocks are taken in rounds from near to far. Those that the cone of the tile
 // touches, and that do not lie beyond the farthest hit of its rays, are kept until there are enough
@@ -17,30 +17,31 @@
 
 // Rounds from near to far, where a tile has more blocks than are asked at once.
 const ROUNDS: u32 = 4u;
-const BLOCKS_AT_ONCE: u32 = TILE_RAYS / BLOCK_CHUNKS;
-// Room for the chunks that are kept, and how many are met at once: those that come next must find
-// room.
-const CHUNK_ROOM: u32 = 2u * TILE_RAYS;
+const BLOCKS_AT_ONCE: u32 = LANES / BLOCK_CHUNKS;
+// Chunks are met when more than this are kept; those that come with them must find room.
+const CHUNKS_KEPT: u32 = TILE_RAYS;
+const CHUNK_ROOM: u32 = CHUNKS_KEPT + LANES;
 
 // Bits of distances, which are never negative, grow with them.
 var<workgroup> nearest_chunk: atomic<u32>;
 var<workgroup> farthest_chunk: atomic<u32>;
 var<workgroup> farthest_hit: atomic<u32>;
 var<workgroup> kept_chunks: array<u32, CHUNK_ROOM>;
-var<workgroup> kept_spheres: array<vec4f, CHUNK_ROOM>;
 var<workgroup> kept_count: atomic<u32>;
 var<workgroup> test_sums: array<atomic<u32>, 3>;
 // What all invocations read after a barrier.
 var<workgroup> shared_count: u32;
 var<workgroup> shared_bounds: vec3f;
 
-@compute @workgroup_size(TILE_RAYS)
+@compute @workgroup_size(LANES)
 fn trace_tile(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let tile_idx = group.x;
-    let ray = rays[tile_idx * TILE_RAYS + lane];
-    var tracer = start_ray(ray);
-    tile_rays[lane] = tracer.ray;
+    let ray = rays[tile_idx * TILE_RAYS + lane % TILE_RAYS];
+    var tracer = start_ray(ray, lane);
     let cone = cones[tile_idx];
+    if (lane < TILE_RAYS) {
+        tile_rays[lane] = tracer.ray;
+    }
     if (lane == 0u) {
         let listed = atomicLoad(&ranges[tile_idx].count);
         shared_count = select(listed, params.block_count, is_everywhere(cone));
@@ -57,14 +58,16 @@ fn trace_tile(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
                 break;
             }
             keep_chunk(blocks, begin, cone, bounds, lane);
-            if (meet_kept_chunks(&tracer, cone, TILE_RAYS, lane)) {
+            if (meet_kept_chunks(&tracer, cone, CHUNKS_KEPT, lane)) {
                 bounds = bounds_of_round(&tracer, round, round_count, lane);
             }
         }
         meet_kept_chunks(&tracer, cone, 0u, lane);
     }
-    if (is_active(ray)) {
-        hits[ray.slot] = tracer.hit;
+    workgroupBarrier();
+    if (lane < TILE_RAYS && tracer.is_traced) {
+        hits[ray.slot] = Hit(bound_of(lane), hit_places[lane].x, hit_places[lane].y,
+                             atomicLoad(&hit_ranks[lane]));
     }
     count_tests(tracer.tests, round_count * block_count, lane);
 }
@@ -88,7 +91,7 @@ fn chunk_of(blocks: Blocks, idx: u32, lane: u32) -> u32 {
 
 // Between which distances chunks lie, from one of each block: rounds need not be even.
 fn find_distances(blocks: Blocks, cone: Cone, lane: u32) {
-    for (var idx = lane; idx < blocks.count; idx += TILE_RAYS) {
+    for (var idx = lane; idx < blocks.count; idx += LANES) {
         let chunk_idx = min(chunk_of(blocks, idx, lane), arrayLength(&chunks) - 1u);
         let bits = bitcast<u32>(near_distance(cone, chunks[chunk_idx]));
         atomicMin(&nearest_chunk, bits);
@@ -105,7 +108,7 @@ fn bounds_of_round(tracer: ptr<function, Tracer>, round: u32, round_count: u32,
         atomicStore(&farthest_hit, 0u);
     }
     workgroupBarrier();
-    if ((*tracer).is_active) {
+    if (lane < TILE_RAYS && is_open(tracer)) {
         let reach = max(end_of(tracer), 0.0) * (1.0 + CONE_SLACK);
         // More than 0, which stands for no active ray.
         atomicMax(&farthest_hit, bitcast<u32>(reach) + 1u);
@@ -136,7 +139,6 @@ fn keep_chunk(blocks: Blocks, begin: u32, cone: Cone, bounds: vec3f, lane: u32) 
             if (is_now && cone_touches(cone, sphere)) {
                 let place = atomicAdd(&kept_count, 1u);
                 kept_chunks[place] = chunk_idx;
-                kept_spheres[place] = sphere;
             }
         }
     }

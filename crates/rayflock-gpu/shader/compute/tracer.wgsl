@@ -1,4 +1,10 @@
-// The ray of an invocation, and what it meets.
+// The ray of an invocation, and the nearest hits of the rays of a tile.
+//
+// SLICES invocations have a ray in common, each for its share of what there is to test. Hits lie in
+// workgroup memory, so that all know how far they have to look.
+
+// Invocations of a workgroup.
+const LANES: u32 = TILE_RAYS * SLICES;
 
 struct Tracer {
     ray: PreparedRay,
@@ -8,9 +14,12 @@ struct Tracer {
     length: f32,
     // Where the interval begins, as a distance.
     begin: f32,
-    // Whether a nearer hit is of interest.
-    is_active: bool,
-    hit: Hit,
+    // Which ray of the tile it is.
+    idx: u32,
+    // Which of those who have the ray in common this is.
+    slice: u32,
+    // Whether the ray is traced at all.
+    is_traced: bool,
     // Tests so far: of spheres around chunks and primitives, of triangles, of spheres.
     tests: vec3u,
 }
@@ -18,16 +27,28 @@ struct Tracer {
 // Distances beyond this are not told apart.
 const FARTHEST: f32 = 1e30;
 
-fn start_ray(ray: Ray) -> Tracer {
+// Of each ray the nearest hit so far: t as bits in its order, rank, u and v.
+var<workgroup> hit_bits: array<atomic<u32>, TILE_RAYS>;
+var<workgroup> hit_ranks: array<atomic<u32>, TILE_RAYS>;
+var<workgroup> hit_places: array<vec2f, TILE_RAYS>;
+// The bits that the ranks belong to.
+var<workgroup> settled_bits: array<u32, TILE_RAYS>;
+var<workgroup> found_count: atomic<u32>;
+
+fn start_ray(ray: Ray, lane: u32) -> Tracer {
     let size = abs(ray.direction);
     let largest = max(max(size.x, size.y), size.z);
     let prepared = prepare_ray(ray.origin, ray.direction, ray.t_min, ray.mask);
-    let hit = hits[ray.slot];
-    let is_answered = params.question == QUESTION_OCCLUDED && hit.rank != NO_RANK;
-    let counts = is_active(ray) && !is_answered;
     let length = largest * length(prepared.direction);
+    if (lane < TILE_RAYS && is_active(ray)) {
+        let hit = hits[ray.slot];
+        settled_bits[lane] = ordered_bits(hit.t);
+        atomicStore(&hit_bits[lane], settled_bits[lane]);
+        atomicStore(&hit_ranks[lane], hit.rank);
+        hit_places[lane] = vec2f(hit.u, hit.v);
+    }
     return Tracer(prepared, unit_direction(ray.direction), length, reach_of(ray.t_min, length),
-                  counts, hit, vec3u(0u));
+                  lane % TILE_RAYS, lane / TILE_RAYS, is_active(ray), vec3u(0u));
 }
 
 // The distance at t, between those that are told apart.
@@ -35,9 +56,24 @@ fn reach_of(t: f32, length: f32) -> f32 {
     return clamp(clamp(t, -1e20, 1e20) * length, -FARTHEST, FARTHEST);
 }
 
+// How far hits of a ray of the tile are of interest, as t.
+fn bound_of(ray_idx: u32) -> f32 {
+    return from_ordered_bits(atomicLoad(&hit_bits[ray_idx]));
+}
+
+// Whether a nearer hit of a ray of the tile, which is traced, is of interest.
+fn is_sought(ray_idx: u32) -> bool {
+    return params.question != QUESTION_OCCLUDED || atomicLoad(&hit_ranks[ray_idx]) == NO_RANK;
+}
+
+// Whether a nearer hit is of interest.
+fn is_open(tracer: ptr<function, Tracer>) -> bool {
+    return (*tracer).is_traced && is_sought((*tracer).idx);
+}
+
 // How far hits of the ray are of interest.
 fn end_of(tracer: ptr<function, Tracer>) -> f32 {
-    let t = (*tracer).hit.t;
+    let t = bound_of((*tracer).idx);
     return select(reach_of(t, (*tracer).length), FARTHEST, t > 1e20);
 }
 
@@ -51,23 +87,42 @@ fn ray_touches(tracer: ptr<function, Tracer>, end: f32, sphere: vec4f) -> bool {
         && along <= end + reach;
 }
 
-fn meet_primitive(tracer: ptr<function, Tracer>, prim: Primitive) {
-    count_test(tracer, prim);
-    let found = intersect((*tracer).ray, prim, (*tracer).hit.t);
-    if (found.accepted) {
-        take_hit(tracer, Hit(found.t, found.u, found.v, prim.rank));
-    }
-}
-
-// The hit takes the place of the nearest one so far if it is nearer.
-fn take_hit(tracer: ptr<function, Tracer>, hit: Hit) {
-    if ((*tracer).is_active && is_nearer(hit, (*tracer).hit)) {
-        (*tracer).hit = hit;
-        (*tracer).is_active = params.question != QUESTION_OCCLUDED;
-    }
-}
-
 fn count_test(tracer: ptr<function, Tracer>, prim: Primitive) {
     let is_sphere = prim.kind == SPHERE;
     (*tracer).tests += vec3u(0u, select(1u, 0u, is_sphere), select(0u, 1u, is_sphere));
+}
+
+// Makes what invocations have found the hits of these rays, where it is nearer: each at most one
+// hit, of rank NO_RANK for none, and no two the same.
+fn settle(ray_idx: u32, found: Hit, lane: u32) {
+    let is_found = found.rank != NO_RANK;
+    if (is_found) {
+        atomicAdd(&found_count, 1u);
+    }
+    workgroupBarrier();
+    if (lane == 0u) {
+        shared_count = atomicExchange(&found_count, 0u);
+    }
+    if (workgroupUniformLoad(&shared_count) == 0u) {
+        return;
+    }
+    let bits = ordered_bits(found.t);
+    if (is_found) {
+        atomicMin(&hit_bits[ray_idx], bits);
+    }
+    workgroupBarrier();
+    // Where there is a nearer one, the rank of the hit before no longer counts.
+    if (lane < TILE_RAYS && atomicLoad(&hit_bits[lane]) != settled_bits[lane]) {
+        settled_bits[lane] = atomicLoad(&hit_bits[lane]);
+        atomicStore(&hit_ranks[lane], NO_RANK);
+    }
+    workgroupBarrier();
+    let is_nearest = is_found && bits == atomicLoad(&hit_bits[ray_idx]);
+    if (is_nearest) {
+        atomicMin(&hit_ranks[ray_idx], found.rank);
+    }
+    workgroupBarrier();
+    if (is_nearest && atomicLoad(&hit_ranks[ray_idx]) == found.rank) {
+        hit_places[ray_idx] = vec2f(found.u, found.v);
+    }
 }

@@ -37,6 +37,11 @@ struct FrameParams {
     // The halves of this wave and of the next one.
     first_slot: u32,
     next_first_slot: u32,
+    // Whether surfaces that would send back more light than arrives are scaled down.
+    conserves: u32,
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
 }
 
 // What a ray carries besides its geometry.
@@ -92,18 +97,4 @@ fn hash(x: u32) -> u32 {
     let y = (x ^ (x >> 16u)) * 0x7feb352du;
     let z = (y ^ (y >> 15u)) * 0x846ca68bu;
     return z ^ (z >> 16u);
-}
-
-fn is_finite(v: vec3f) -> bool {
-    let exponents = bitcast<vec3u>(v) & vec3u(0x7f800000u);
-    return all(exponents != vec3u(0x7f800000u));
-}
-
-fn normalize_or(v: vec3f, other: vec3f) -> vec3f {
-    let size = length(v);
-    return select(other, v / size, size > 0.0);
-}
-
-fn largest_of(v: vec3f) -> f32 {
-    return max(max(v.x, v.y), v.z);
 }

@@ -75,6 +75,20 @@ fn scatter(material: Material, point: SurfacePoint, base: vec3f, direction: vec3
                    mirror_direction, transmission, refraction_direction);
 }
 
+// What is left of all that a surface sends back, its highlight included, where that is scaled down
+// to no more than arrives: light that goes on and on then fades.
+fn conserved(scattered: Scatter, highlight: vec3f, shininess: f32) -> f32 {
+    let sent = scattered.diffuse + scattered.mirror + scattered.transmission;
+    let most = largest_of(sent + highlight * highlight_albedo(shininess));
+    return select(1.0, 1.0 / most, most > 1.0);
+}
+
+// At most this times its strength a highlight sends back: the integral of the power of the halfway
+// cosine, and a whole hemisphere.
+fn highlight_albedo(shininess: f32) -> f32 {
+    return min(8.0 / (max(shininess, 0.0) + 1.0), 2.0);
+}
+
 // What Schlick's approximation adds to a mirrored share at an angle, relative to what it leaves.
 fn schlick(mirror: vec3f, cos: f32) -> f32 {
     let sideways = clamp(1.0 - cos, 0.0, 1.0);

@@ -50,11 +50,19 @@ fn shade_ray(ray: Ray, arriving: Path, hit: Hit) -> Shaded {
     let point = surface_point(primitives[hit.rank], attributes[hit.rank], ray, hit);
     path.weight *= exp(-path.absorption * hit.t);
     let material = material_at(point.material);
-    let scattered = scatter(material, point, base_color(material, point), ray.direction);
+    var scattered = scatter(material, point, base_color(material, point), ray.direction);
+    var highlight = material.specular;
+    if (frame.conserves != 0u) {
+        let kept = conserved(scattered, highlight, material.shininess);
+        scattered.diffuse *= kept;
+        scattered.mirror *= kept;
+        scattered.transmission *= kept;
+        highlight *= kept;
+    }
     let ambient = frame.ambient + frame.sky_share * sky_over_pi(point.normal);
     lit.emitted = path.weight * (material.emission + scattered.ambient * ambient);
     lit.diffuse = path.weight * scattered.diffuse;
-    lit.specular = path.weight * material.specular;
+    lit.specular = path.weight * highlight;
     if (any(lit.diffuse != vec3f(0.0)) || any(lit.specular != vec3f(0.0))) {
         lit.pixel = path.pixel;
     }

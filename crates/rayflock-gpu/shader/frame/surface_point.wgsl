@@ -5,32 +5,6 @@ const SLACK: f32 = 3.8146973e-6;
 // Cosine of the angle up to which vertex normals count as those of a smooth surface.
 const SMOOTH_COS: f32 = 0.7;
 
-const HAS_NORMALS: u32 = 1u;
-const HAS_UVS: u32 = 2u;
-// The transform turns the winding of triangles around.
-const IS_MIRRORED: u32 = 4u;
-
-// Of a primitive, by rank.
-struct Attributes {
-    // Of the corners, in world space; of spheres the axes of object space.
-    normal_a: vec3f,
-    material: u32,
-    normal_b: vec3f,
-    flags: u32,
-    normal_c: vec3f,
-    unused_a: u32,
-    color_a: vec3f,
-    unused_b: u32,
-    color_b: vec3f,
-    unused_c: u32,
-    color_c: vec3f,
-    unused_d: u32,
-    uv_a: vec2f,
-    uv_b: vec2f,
-    uv_c: vec2f,
-    unused_e: vec2u,
-}
-
 // A point of a surface, as a ray sees it.
 struct SurfacePoint {
     position: vec3f,
@@ -73,12 +47,6 @@ fn on_triangle(prim: Primitive, attributes: Attributes, ray: Ray, hit: Hit) -> S
         smooth_point(&point, prim, attributes, shares);
     }
     return point;
-}
-
-// The unit normal of a triangle with these edges; scaled, so that squares stay in range.
-fn triangle_normal(ab: vec3f, ac: vec3f) -> vec3f {
-    let size = max(largest_of(abs(ab)), largest_of(abs(ac)));
-    return normalize_or(cross(ab / size, ac / size), vec3f(0.0));
 }
 
 fn on_sphere(prim: Primitive, attributes: Attributes, ray: Ray, hit: Hit) -> SurfacePoint {

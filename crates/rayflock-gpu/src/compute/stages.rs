@@ -5,6 +5,23 @@ use crate::GpuContext;
 use crate::pipeline::{ComputeStage, compute_stage};
 use crate::shaders;
 
+/// How the work on a tile is shared out among invocations: `compute/narrow.wgsl` and
+/// `compute/wide.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// One invocation a ray, for processors.
+    Narrow = 0,
+    /// Some invocations a ray, for cards.
+    Wide = 1,
+}
+
+impl Form {
+    /// What suits a device.
+    pub(crate) fn of(context: &GpuContext) -> Self {
+        if context.adapter().is_software() { Self::Narrow } else { Self::Wide }
+    }
+}
+
 /// The stages, ready to run.
 #[derive(Debug)]
 pub(super) struct Stages {
@@ -24,7 +41,7 @@ pub(super) struct Stages {
 }
 
 impl Stages {
-    pub(super) fn new(context: &GpuContext) -> Self {
+    pub(super) fn new(context: &GpuContext, form: Form) -> Self {
         let stage = |shader, constants: &[(&str, f64)]| compute_stage(context, shader, constants);
         let bound = |first_child: usize, first_parent: usize| {
             let constants =
@@ -45,7 +62,7 @@ impl Stages {
             refine_nodes: refine(1.0),
             plan_lists: stage(shaders::PLAN_LISTS, &[]),
             fill_lists: stage(shaders::FILL_LISTS, &[]),
-            trace_tile: stage(shaders::TRACE_TILE, &[]),
+            trace_tile: stage(shaders::TRACE_TILE[form as usize], &[]),
         }
     }
 }

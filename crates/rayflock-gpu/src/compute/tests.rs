@@ -6,9 +6,9 @@ use rayflock_geom::{FrameChanges, Geometry, GeometryObject, HitBuffer, ObjectId,
 use rayflock_testkit::Rng;
 use rayflock_testkit::scenes::{SoupKind, triangle_soup};
 
-use super::{BLOCK_CHUNKS, CHUNK_PRIMS, Compute};
+use super::{BLOCK_CHUNKS, CHUNK_PRIMS, Compute, Form};
 use crate::GpuContext;
-use crate::layout::{Cone, DeviceHit, TileRange};
+use crate::layout::{Cone, DeviceHit, NO_RANK, TileRange};
 use crate::method::{Method, Question};
 use crate::primitives::PrimitiveStore;
 use crate::slots::{Run, Slots};
@@ -19,13 +19,13 @@ use crate::twins;
 /// Hits of a batch by an engine with so much room for pairs at most, and the tests it took.
 fn trace(
     context: &GpuContext,
-    most: usize,
+    (form, most): (Form, usize),
     geometry: &Geometry,
     batch: &RayBatch<'_>,
 ) -> (Vec<DeviceHit>, u64) {
     let mut primitives = PrimitiveStore::default();
     primitives.commit(context, geometry, &FrameChanges::all(), "gpu:compute").unwrap();
-    let mut compute = Compute::with_capacity(context, most.min(64), most);
+    let mut compute = Compute::with_capacity(context, form, [most.min(64), most]);
     let mut clock = StageClock::new(context);
     compute.prepare(context, &mut clock, &primitives);
     let (mut slots, mut run) = (Slots::default(), Run::default());
@@ -53,12 +53,40 @@ fn pairs_that_do_not_fit_are_never_dropped() {
     let mut expected = HitBuffer::new(2000);
     definition.closest_hit(&batch, &mut expected.as_hits());
     for context in contexts() {
-        let (grown, grown_tests) = trace(context, 1 << 20, &geometry, &batch);
-        let (split, split_tests) = trace(context, 8, &geometry, &batch);
+        let form = Form::of(context);
+        let (grown, grown_tests) = trace(context, (form, 1 << 20), &geometry, &batch);
+        let (split, split_tests) = trace(context, (form, 8), &geometry, &batch);
         assert_eq!(grown, split);
         assert!(split_tests != grown_tests, "nothing was split");
         let same = (0..2000).filter(|&idx| grown[idx].rank == expected.prim_id[idx]).count();
         assert!(same >= 1998, "{same} of 2000");
+    }
+}
+
+/// Rays that share everything and rays that share nothing, past triangles that are all there twice:
+/// of both the first is hit.
+#[test]
+fn both_forms_find_the_same_and_the_first_of_two_alike() {
+    const COUNT: usize = 2500;
+    let mut rng = Rng::new(53);
+    let soup = triangle_soup(&mut rng, SoupKind::Plain, COUNT, Vec3::ZERO, 1.0);
+    let [first, second] = [0, 1].map(|id| GeometryObject::new(ObjectId(id), soup.clone()));
+    let geometry = Geometry::new(vec![first, second]).unwrap();
+    let directions: Vec<_> = (0..64 * 40).map(|idx| spread(&mut rng, idx / 64)).collect();
+    let batch = RayBatch::new(Vec3::new(0.1, 0.2, -3.0), &directions).unwrap();
+    for context in contexts() {
+        let forms = [Form::Narrow, Form::Wide];
+        let [narrow, wide] = forms.map(|form| trace(context, (form, 1 << 20), &geometry, &batch).0);
+        let hit_count = narrow.iter().filter(|hit| (hit.rank as usize) < COUNT).count();
+        assert!(hit_count > 500, "{hit_count} rays hit anything");
+        let same = |(a, b): (&DeviceHit, &DeviceHit)| {
+            let numbers = |hit: &DeviceHit| [hit.t, hit.u, hit.v];
+            a.rank == b.rank && (a.rank == NO_RANK || near(&numbers(a), &numbers(b)))
+        };
+        let same = narrow.iter().zip(&wide).filter(|&pair| same(pair)).count();
+        assert!(same + 2 >= narrow.len(), "{same} of {}", narrow.len());
+        let is_second = |hit: &&DeviceHit| (COUNT..2 * COUNT).contains(&(hit.rank as usize));
+        assert_eq!(narrow.iter().chain(&wide).find(is_second), None);
     }
 }
 

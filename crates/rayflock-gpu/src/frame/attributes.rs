@@ -34,6 +34,8 @@ pub(super) struct AttributeStore {
     written: Vec<Written>,
     attributes: Vec<Attributes>,
     buffer: GrowingBuffer,
+    /// With the last commit.
+    sent_bytes: u64,
 }
 
 /// What the attributes of an object were written from.
@@ -44,9 +46,18 @@ struct Written {
     normals: Arc<[Vec3]>,
     attributes: Arc<SurfaceAttributes>,
     transform: Option<Affine3A>,
+    flags: u32,
 }
 
 impl Written {
+    /// Whether the attributes are the same but for normals.
+    fn differs_in_normals(&self, other: &Self) -> bool {
+        self.ranks == other.ranks
+            && self.flags == other.flags
+            && self.mesh.has_topology_of(&other.mesh)
+            && Arc::ptr_eq(&self.attributes, &other.attributes)
+    }
+
     fn is_same(&self, other: &Self) -> bool {
         self.ranks == other.ranks
             && self.transform == other.transform
@@ -59,18 +70,21 @@ impl Written {
 impl Default for AttributeStore {
     fn default() -> Self {
         let buffer = GrowingBuffer::storage("attributes");
-        Self { written: Vec::new(), attributes: Vec::new(), buffer }
+        Self { written: Vec::new(), attributes: Vec::new(), buffer, sent_bytes: 0 }
     }
 }
 
 impl AttributeStore {
-    /// Writes and sends what changed. The frame has been checked, and `primitives` hold it.
+    /// Writes and sends what changed. The frame has been checked, and `primitives` hold it. A stage
+    /// will write the normals of the objects at the places `made`.
     pub(super) fn commit(
         &mut self,
         context: &GpuContext,
         frame: &SceneFrame,
         primitives: &PrimitiveStore,
+        made: &[usize],
     ) {
+        self.sent_bytes = 0;
         let count = primitives.ranks().last().map_or(0, |ranks| ranks.end);
         let bytes = count.max(1) * size_of::<Attributes>();
         if self.buffer.size() < bytes as u64 {
@@ -88,12 +102,16 @@ impl AttributeStore {
                 normals: Arc::clone(&surface.normals),
                 attributes: Arc::clone(&surface.attributes),
                 transform: object.world_from_object,
+                flags: flags(object, surface),
             };
-            let before = self.written.get(idx);
-            if before.is_some_and(|before| before.is_same(&written)) {
-                continue;
+            let is_made = made.binary_search(&idx).is_ok();
+            let is_there = self.written.get(idx).is_some_and(|before| match is_made {
+                true => before.differs_in_normals(&written),
+                false => before.is_same(&written),
+            });
+            if !is_there {
+                self.write(context, written.ranks.clone(), object, surface);
             }
-            self.write(context, written.ranks.clone(), object, surface);
             match self.written.get_mut(idx) {
                 Some(before) => *before = written,
                 None => self.written.push(written),
@@ -107,11 +125,18 @@ impl AttributeStore {
         self.buffer.buffer()
     }
 
+    /// The attributes by rank, as the host has written them.
+    #[cfg(test)]
+    pub(super) fn host(&self) -> &[Attributes] {
+        &self.attributes
+    }
+
     /// Tells what is held.
     pub(super) fn hold(&self, budget: &mut Budget) {
         let staged = self.attributes.capacity() * size_of::<Attributes>();
         budget.hold("staged attributes", staged as u64);
         self.buffer.hold(budget);
+        budget.sent_bytes += self.sent_bytes;
     }
 
     fn write(
@@ -127,8 +152,8 @@ impl AttributeStore {
             *written = writer.write(prim_idx);
         });
         let offset = ranks.start * size_of::<Attributes>();
-        let bytes = bytemuck::cast_slice(attributes);
-        context.queue.write_buffer(self.buffer.buffer(), offset as u64, bytes);
+        self.buffer.write_at(context, offset, attributes);
+        self.sent_bytes += size_of_val(attributes) as u64;
     }
 }
 
@@ -142,18 +167,11 @@ struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     fn new(object: &GeometryObject, surface: &'a SurfaceMesh) -> Self {
-        let linear = object.world_from_object.map_or(Mat3::IDENTITY, |transform| {
-            let m = transform.matrix3;
-            Mat3::from_cols(m.x_axis.into(), m.y_axis.into(), m.z_axis.into())
-        });
+        let linear = linear(object);
         // The inverse transpose times the determinant.
         let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
         let normal_from_object = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-        let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
-        let flags = flag(!surface.normals.is_empty(), HAS_NORMALS)
-            | flag(!surface.attributes.uvs.is_empty(), HAS_UVS)
-            | flag(linear.determinant() < 0.0, IS_MIRRORED);
-        Self { surface, linear, normal_from_object, flags }
+        Self { surface, linear, normal_from_object, flags: flags(object, surface) }
     }
 
     fn write(&self, prim_idx: usize) -> Attributes {
@@ -178,4 +196,20 @@ impl<'a> Writer<'a> {
             ..Attributes::new(corners.map(normal), corners.map(color), corners.map(uv))
         }
     }
+}
+
+/// What the transform of an object does to vectors.
+fn linear(object: &GeometryObject) -> Mat3 {
+    object.world_from_object.map_or(Mat3::IDENTITY, |transform| {
+        let m = transform.matrix3;
+        Mat3::from_cols(m.x_axis.into(), m.y_axis.into(), m.z_axis.into())
+    })
+}
+
+/// The flags of all primitives of an object.
+fn flags(object: &GeometryObject, surface: &SurfaceMesh) -> u32 {
+    let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
+    flag(!surface.normals.is_empty(), HAS_NORMALS)
+        | flag(!surface.attributes.uvs.is_empty(), HAS_UVS)
+        | flag(linear(object).determinant() < 0.0, IS_MIRRORED)
 }

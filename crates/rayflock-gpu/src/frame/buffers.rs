@@ -3,6 +3,7 @@
 use rayflock_engine::Budget;
 use wgpu::{BindingResource, BufferUsages};
 
+use super::gather_lights::SUM_BYTES;
 use crate::GpuContext;
 use crate::buffer::{GrowingBuffer, ReadBack, part_of};
 use crate::layout::{DeviceHit, DeviceLight, DeviceRay, FrameParams, PATH_BYTES, POINT_BYTES};
@@ -59,7 +60,7 @@ impl FrameBuffers {
         of_slots(&mut self.shadow_rays, size_of::<DeviceRay>());
         of_slots(&mut self.shadow_hits, size_of::<DeviceHit>());
         self.counts.reserve(context, size_of::<WaveCounts>());
-        self.film.reserve(context, pixel_count * size_of::<[f32; 3]>());
+        self.film.reserve(context, pixel_count * size_of::<[f32; 3]>() + SUM_BYTES);
     }
 
     pub(super) fn counts(&self) -> BindingResource<'_> {

@@ -7,6 +7,7 @@ use rayflock_render::prepared::{PictureLights, PreparedFrame, ThrownLight, sampl
 use rayflock_render::{FrameStats, Lens, RenderSettings, StageStats, View};
 use rayflock_scene::{Background, Falloff, LightKind};
 
+use super::gather_lights::GatherSums;
 use crate::layout::{DIRECTIONAL, DeviceLight, EMITTERS, FrameParams, POINT, SPOT};
 use crate::slots::{RUN_SLOTS, TILE_RAYS};
 
@@ -23,7 +24,8 @@ pub(super) struct Picture<'a> {
     pub(super) lights: PictureLights,
     /// Whence mirrors and glass throw light, if that is found.
     pub(super) thrown: Option<ThrownLight>,
-    view: &'a View,
+    pub(super) prepared: &'a PreparedFrame,
+    pub(super) view: &'a View,
 }
 
 /// Some rows of a picture.
@@ -52,6 +54,7 @@ pub(super) struct BandStats {
     pub(super) mirror_rays: u64,
     /// Rays from the camera that were not traced.
     pub(super) scanned: u64,
+    pub(super) gathered: GatherSums,
 }
 
 impl BandStats {
@@ -70,15 +73,20 @@ impl BandStats {
         stats.rays.shadow += self.shadow.rays;
         stats.rays.mirror += self.mirror_rays;
         stats.rays.refraction += self.secondary.rays - self.mirror_rays;
+        self.gathered.add_to(stats);
     }
 }
 
 impl<'a> Picture<'a> {
-    pub(super) fn new(prepared: &PreparedFrame, view: &'a View, settings: RenderSettings) -> Self {
+    pub(super) fn new(
+        prepared: &'a PreparedFrame,
+        view: &'a View,
+        settings: RenderSettings,
+    ) -> Self {
         let lights = prepared.lights(view, &settings);
         let caustics = settings.caustics.as_ref();
         let thrown = caustics.and_then(|caustics| prepared.thrown(&lights.lights, caustics));
-        Self { lights, thrown, settings, view }
+        Self { lights, thrown, settings, prepared, view }
     }
 
     /// Rows whose rays a wave may hold.
@@ -101,6 +109,7 @@ impl<'a> Picture<'a> {
             horizon,
             ground,
             ambient: self.lights.ambient.to_array(),
+            conserves: u32::from(self.lights.conserves),
             subpixel: sample_place(sample_idx).to_array(),
             ..lens_params(&Lens::new(self.view, band.width, band.height), band)
         }

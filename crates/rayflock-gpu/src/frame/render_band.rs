@@ -7,6 +7,7 @@ use wgpu::BindingResource;
 
 use super::DeviceFrame;
 use super::buffers::{FOLLOWED, MIRRORED, SHADOW};
+use super::gather_lights::{GatherSums, SUM_BYTES};
 use super::picture::{Band, BandStats, Picture, Rendered};
 use super::trace_log::{Asked, Logged, Traced};
 use crate::compute::{Room, Wave};
@@ -34,8 +35,8 @@ impl DeviceFrame {
         self.buffers.reserve(context, slot_count, band.pixel_count());
         loop {
             match self.render_samples(context, picture, band, slot_count)? {
-                Ok(stats) => {
-                    self.read_film(context, picture, pixels)?;
+                Ok(mut stats) => {
+                    stats.gathered = self.read_film(context, picture, pixels)?;
                     return Ok(Rendered::Done(Box::new(stats)));
                 }
                 Err(Room::Grown) => {}
@@ -64,7 +65,7 @@ impl DeviceFrame {
                 first_texture: self.scene.first_texture() as u32,
                 ..picture.params(band, sample_idx)
             };
-            self.render_waves(context, picture, params, sample_idx);
+            self.render_waves(context, picture, params, sample_idx, band.pixel_count());
             let logged = self.log.read(context, &mut self.buffers.read_back)?;
             self.clock.collect(context, start)?;
             if let Some(short) = self.shortage(&logged, slot_count) {
@@ -93,6 +94,7 @@ impl DeviceFrame {
         picture: &Picture<'_>,
         mut params: FrameParams,
         sample_idx: u32,
+        pixel_count: usize,
     ) {
         let bounces = if self.scene.mirrors() { picture.settings.depth } else { 0 };
         let emitter_count = self.scene.emitter_count();
@@ -115,6 +117,7 @@ impl DeviceFrame {
             for light in &lights {
                 self.light(context, light, picture.settings.shadows, &params);
             }
+            self.gather_lights(context, &params, pixel_count);
         }
     }
 
@@ -224,26 +227,31 @@ impl DeviceFrame {
         encoder.submit();
     }
 
-    /// Brings the means over all samples to the pixels.
+    /// Brings the means over all samples to the pixels; tells what gathering came to.
     fn read_film(
         &mut self,
         context: &GpuContext,
         picture: &Picture<'_>,
         pixels: &mut [[f32; 3]],
-    ) -> Result<(), GpuError> {
+    ) -> Result<GatherSums, GpuError> {
         let share = 1.0 / picture.settings.samples_per_pixel as f32;
-        let bytes = size_of_val(pixels);
+        let pixel_bytes = size_of_val(pixels);
+        let bytes = pixel_bytes + SUM_BYTES;
         let read_back = &mut self.buffers.read_back;
         let target = read_back.target(context, bytes);
         let mut encoder = context.device.create_command_encoder(&Default::default());
         let film = self.buffers.film.buffer();
         encoder.copy_buffer_to_buffer(film, 0, &target, 0, Some(bytes as u64));
+        let mut gathered = GatherSums::default();
         read_back.run(context, encoder, bytes, |bytes| {
-            let sums: &[[f32; 3]] = bytemuck::cast_slice(bytes);
+            let (film, sums) = bytes.split_at(pixel_bytes);
+            gathered = GatherSums::read(sums);
+            let sums: &[[f32; 3]] = bytemuck::cast_slice(film);
             for (pixel, sum) in pixels.iter_mut().zip(sums) {
                 *pixel = sum.map(|channel| (channel * share).min(f32::MAX));
             }
-        })
+        })?;
+        Ok(gathered)
     }
 }
 

@@ -13,6 +13,7 @@ pub(super) struct FrameStages {
     pub(super) add_emitted: ComputeStage,
     pub(super) shadow_rays: ComputeStage,
     pub(super) add_lit: ComputeStage,
+    pub(super) gather_lights: ComputeStage,
 }
 
 impl FrameStages {
@@ -25,6 +26,7 @@ impl FrameStages {
             add_emitted: stage(shaders::ADD_EMITTED),
             shadow_rays: stage(shaders::SHADOW_RAYS),
             add_lit: stage(shaders::ADD_LIT),
+            gather_lights: stage(shaders::GATHER_LIGHTS),
         }
     }
 }

@@ -6,7 +6,7 @@ use rayflock_render::{Film, FrameRenderer, RenderSettings, View};
 use rayflock_scene::{Evaluator, Scene, builtin};
 
 use super::GpuRenderer;
-use crate::compute::Compute;
+use crate::compute::{Compute, Form};
 use crate::testing::contexts;
 
 /// Pairs that buffers have room for at first.
@@ -27,12 +27,12 @@ fn render(renderer: &mut GpuRenderer, scene: &Arc<Scene>, time: f64) -> Film {
 fn bands_with_too_many_pairs_are_cut_and_nothing_is_dropped() {
     let scene = Arc::new(builtin::build("museum3").unwrap());
     for context in contexts() {
-        let growing = Compute::with_capacity(context, FEW, 1 << 20);
+        let growing = Compute::with_capacity(context, Form::of(context), [FEW, 1 << 20]);
         let mut roomy = GpuRenderer::with_compute(context, growing).unwrap();
         let expected = render(&mut roomy, &scene, 2.0);
         let needed = roomy.device.compute.pair_capacity();
         assert!(needed >= 8 * FEW, "{needed} pairs are too few for the test");
-        let limited = Compute::with_capacity(context, FEW, needed / 4);
+        let limited = Compute::with_capacity(context, Form::of(context), [FEW, needed / 4]);
         let mut tight = GpuRenderer::with_compute(context, limited).unwrap();
         let found = render(&mut tight, &scene, 2.0);
         let apart = |(a, b): (&[f32; 3], &[f32; 3])| {

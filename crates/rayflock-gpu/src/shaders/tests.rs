@@ -6,20 +6,29 @@ use std::path::Path;
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Expression, Literal, Module, TypeInner};
+use rayflock_geom::simd::segment_spheres::{AT_END, DARK, RISE};
 
-use super::{ALL, Shader};
+use super::{ALL, GATHER_LIGHTS, Shader};
 use crate::compute::{BLOCK_CHUNKS, CHUNK_PRIMS, FAN_OUT, FIRST_NODE, FIRST_ROOT};
-use crate::frame::{FOLLOWED, HAS_NORMALS, HAS_UVS, IS_MIRRORED, MIRRORED, SHADOW};
+use crate::frame::{
+    BLOCK_SPHERES, FOLLOWED, HAS_NORMALS, HAS_UVS, INFLUENCE_WORDS, IS_MIRRORED, JOINT_WORDS,
+    MIRRORED, SHADOW, SUM_PLACES, TARGET_WORDS,
+};
+use crate::layout::virtual_lights::{
+    DISTANT, DeviceSoftSphere, DeviceVirtualLight, DeviceWall, GatherParams, LOBED, PLAIN,
+};
 use crate::layout::{
-    Attributes, BUCKET_BYTES, Cone, Counters, DIRECTIONAL, DeviceEmitter, DeviceHit, DeviceLight,
-    DevicePrimitive, DeviceRay, EMITTERS, FrameParams, NO_RANK, PATH_BYTES, PHOTON_BYTES,
-    PHOTONS_OFFSET, POINT, POINT_BYTES, Pair, Params, PhotonParams, SPHERE, SPOT, ScanCounters,
-    ScanParams, Subfield, SubfieldCounters, SubfieldParams, TRIANGLE, TileRange,
+    Attributes, BUCKET_BYTES, Cone, Counters, DEFORMED_VERTEX_BYTES, DIRECTIONAL, DeformedObject,
+    DeviceEmitter, DeviceHit, DeviceLight, DevicePrimitive, DeviceRay, EMITTERS, FrameParams,
+    NO_RANK, NOWHERE, PATH_BYTES, PHOTON_BYTES, PHOTONS_OFFSET, POINT, POINT_BYTES, Pair, Params,
+    PhotonParams, SPHERE, SPOT, ScanCounters, ScanParams, Subfield, SubfieldCounters,
+    SubfieldParams, TRIANGLE, TileRange,
 };
 use crate::method::Question;
 use crate::ray_textures::EDGE;
 use crate::slots::TILE_RAYS;
 use crate::subfields::{MOST_CELLS, PRIM_BITS};
+use crate::twins::LitPoint;
 
 fn parse(shader: &Shader) -> Module {
     naga::front::wgsl::parse_str(shader.source)
@@ -149,6 +158,34 @@ fn host_and_device_agree_about_every_byte_of_subfields() {
 }
 
 #[test]
+fn host_and_device_agree_about_every_byte_of_deformed_objects() {
+    assert_mirrors!(
+        "DeformedObject",
+        DeformedObject,
+        x_axis,
+        first_vertex,
+        y_axis,
+        vertex_count,
+        z_axis,
+        first_triangle,
+        translation,
+        triangle_count,
+        first_rank,
+        mask,
+        corners,
+        positions,
+        normals,
+        next_positions,
+        next_normals,
+        share,
+        influences,
+        joints,
+        targets,
+        target_count
+    );
+}
+
+#[test]
 fn host_and_device_agree_about_every_byte_of_a_picture() {
     assert_mirrors!(
         "FrameParams",
@@ -171,7 +208,11 @@ fn host_and_device_agree_about_every_byte_of_a_picture() {
         goes_on,
         subpixel,
         first_slot,
-        next_first_slot
+        next_first_slot,
+        conserves,
+        unused_a,
+        unused_b,
+        unused_c
     );
     assert_mirrors!(
         "Attributes",
@@ -193,6 +234,12 @@ fn host_and_device_agree_about_every_byte_of_a_picture() {
         uv_c,
         unused_e
     );
+    let spans = ["Path", "LitPoint"].map(|name| structure(name).0 as usize);
+    assert_eq!(spans, [PATH_BYTES, POINT_BYTES]);
+}
+
+#[test]
+fn host_and_device_agree_about_every_byte_of_lights() {
     assert_mirrors!(
         "Light",
         DeviceLight,
@@ -208,8 +255,69 @@ fn host_and_device_agree_about_every_byte_of_a_picture() {
         emitter_count
     );
     assert_mirrors!("Emitter", DeviceEmitter, a, kind, b, weight, c, cumulative, radiance, unused);
-    let spans = ["Path", "LitPoint"].map(|name| structure(name).0 as usize);
-    assert_eq!(spans, [PATH_BYTES, POINT_BYTES]);
+    let spans = ["Path", "LitPoint", "DeformedVertex"].map(|name| structure(name).0 as usize);
+    assert_eq!(spans, [PATH_BYTES, POINT_BYTES, DEFORMED_VERTEX_BYTES]);
+}
+
+#[test]
+fn host_and_device_agree_about_every_byte_of_virtual_lights() {
+    assert_mirrors!(
+        "VirtualLight",
+        DeviceVirtualLight,
+        position,
+        kind,
+        normal,
+        evenness,
+        intensity,
+        shininess,
+        to_source,
+        varnish,
+        highlight,
+        unused
+    );
+    assert_mirrors!(
+        "SoftSphere",
+        DeviceSoftSphere,
+        center,
+        outer,
+        flatness,
+        opacity,
+        peak,
+        slope,
+        unused_a,
+        unused_b
+    );
+    assert_mirrors!(
+        "Wall", DeviceWall, corner, opacity, normal, unused_a, axis_a, unused_b, axis_b, unused_c
+    );
+    assert_mirrors!(
+        "GatherParams",
+        GatherParams,
+        bound,
+        distance,
+        first_light,
+        end_light,
+        sphere_count,
+        wall_count,
+        first_sum,
+        unused
+    );
+    assert_mirrors!(
+        "LitPoint",
+        LitPoint,
+        shadow_position,
+        pixel,
+        normal,
+        shininess,
+        to_viewer,
+        seed,
+        diffuse,
+        unused_a,
+        specular,
+        unused_b,
+        emitted,
+        emitted_pixel
+    );
 }
 
 #[test]
@@ -280,9 +388,30 @@ fn host_and_device_have_the_same_constants() {
         ("MIRRORED", MIRRORED as u32),
         ("FOLLOWED", FOLLOWED as u32),
         ("SHADOW", SHADOW as u32),
+        ("NOWHERE", NOWHERE),
+        ("JOINT_WORDS", JOINT_WORDS as u32),
+        ("INFLUENCE_WORDS", INFLUENCE_WORDS as u32),
+        ("TARGET_WORDS", TARGET_WORDS as u32),
+        ("PLAIN", PLAIN),
+        ("LOBED", LOBED),
+        ("DISTANT", DISTANT),
+        ("SUM_PLACES", SUM_PLACES as u32),
+        ("BLOCK_SPHERES", BLOCK_SPHERES as u32),
+        ("TILE_POINTS", TILE_RAYS as u32),
     ];
     for (name, value) in expected {
         let stated = found.iter().filter(|(other, _)| other == name).map(|&(_, number)| number);
         assert_eq!(stated.collect::<Vec<_>>(), [value], "{name}");
+    }
+}
+
+/// Numbers of the kernel that stages gather past spheres by.
+#[test]
+fn host_and_device_have_the_same_fractions() {
+    let module = parse(&GATHER_LIGHTS);
+    for (name, value) in [("RISE", RISE), ("AT_END", AT_END), ("DARK", DARK)] {
+        let stated = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name));
+        let init = &module.global_expressions[stated.unwrap().1.init];
+        assert_eq!(*init, Expression::Literal(Literal::F32(value)), "{name}");
     }
 }

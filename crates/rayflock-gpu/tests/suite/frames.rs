@@ -1,5 +1,7 @@
 //! Whole frames by the device against those by the CPU.
 
+mod virtual_lights;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -12,7 +14,9 @@ use rayflock_import::Reporter;
 use rayflock_render::caustics::CausticSettings;
 use rayflock_render::tonemap::{ToneMap, to_srgb8};
 use rayflock_render::vpl::VplSettings;
-use rayflock_render::{Film, FrameRenderer, Indirect, RenderSettings, View, WhittedRenderer};
+use rayflock_render::{
+    Film, FrameRenderer, FrameStats, Indirect, RenderSettings, View, WhittedRenderer,
+};
 use rayflock_scene::{
     Background, Evaluator, Falloff, Fresnel, Light, LightKind, Material, MaterialIdx, Projection,
     Scene, SceneObject, Shape, SurfaceMesh, builtin, frame_bounds,
@@ -28,6 +32,17 @@ const MEAN_FLIP: f32 = 0.02;
 
 /// Frames of a scene, rendered in turn.
 fn render(renderer: &mut dyn FrameRenderer, scene: &Arc<Scene>, times: &[f64]) -> Vec<Film> {
+    let frames = render_by(renderer, scene, times, &RenderSettings::default());
+    frames.into_iter().map(|(film, _)| film).collect()
+}
+
+/// The same by `settings`, and what frames took.
+fn render_by(
+    renderer: &mut dyn FrameRenderer,
+    scene: &Arc<Scene>,
+    times: &[f64],
+    settings: &RenderSettings,
+) -> Vec<(Film, FrameStats)> {
     let mut evaluator = Evaluator::new(Arc::clone(scene), None).unwrap();
     let bounds = evaluator.bounds_over_clip().unwrap();
     let [width, height] = SIZE;
@@ -40,9 +55,9 @@ fn render(renderer: &mut dyn FrameRenderer, scene: &Arc<Scene>, times: &[f64]) -
         renderer.commit(scene, frame).unwrap();
         let mut film = Film::new(width, height);
         let view = View::new(world_from_camera, projection);
-        let stats = renderer.render(&view, &RenderSettings::default(), &mut film);
+        let stats = renderer.render(&view, settings, &mut film);
         assert_eq!(stats.rays.primary, (width * height) as u64);
-        film
+        (film, stats)
     };
     times.iter().map(render).collect()
 }

@@ -34,12 +34,14 @@ fn render(
 
 #[test]
 fn pictures_are_those_of_the_cpu() {
-    use GpuEngineKind::{Compute, Raster};
+    use GpuEngineKind::{Compute, Raster, Subfields};
     let (size, settings) = ([48, 36], RenderSettings::default());
     // Software drivers take long to draw many triangles.
-    for (name, kinds) in
-        [("cornell", &[Raster, Compute][..]), ("museum5", &[Compute]), ("crowd", &[Compute])]
-    {
+    for (name, kinds) in [
+        ("cornell", &[Raster, Compute, Subfields][..]),
+        ("museum5", &[Compute, Subfields]),
+        ("crowd", &[Compute, Subfields]),
+    ] {
         let (expected, ..) = render(name, size, &settings, create(EngineKind::Auto));
         for context in contexts() {
             for &kind in kinds {

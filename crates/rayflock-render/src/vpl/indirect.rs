@@ -12,7 +12,7 @@ use super::gather_past_spheres::{GroupedLights, gather_past_spheres};
 use super::resample::{Eyes, gather_chosen};
 use super::shoot::{ShootBuffers, shoot};
 use super::sources::Sources;
-use super::sphere_visibility::SphereVisibility;
+use super::sphere_visibility::{DISTANCE, SphereVisibility};
 use super::{
     ChosenRays, PairTile, PairVisibility, VirtualLights, Visibility, VisibilityStats, VplSettings,
 };
@@ -72,12 +72,26 @@ impl IndirectLight {
         &self.lights
     }
 
+    /// The largest geometry term that counts.
+    pub(crate) const fn bound(&self) -> f32 {
+        self.bound
+    }
+
+    /// How far away distant lights are taken to be.
+    pub(crate) const fn distance(&self) -> f32 {
+        DISTANCE * self.lights.reach()
+    }
+
+    /// The spheres and walls that the last picture with such light was made with, if any.
+    pub(crate) fn tree(&self, visibility: Visibility) -> Option<&SphereTree> {
+        let Visibility::Spheres(_) = visibility else { return None };
+        self.spheres.as_ref().map(|spheres| spheres.scene.tree())
+    }
+
     /// The spheres that the last picture with such light was made with.
     pub(crate) fn spheres(&self, indirect: &Indirect) -> &[SoftSphere] {
-        let Some(VplSettings { visibility: Visibility::Spheres(_), .. }) = indirect.lights() else {
-            return &[];
-        };
-        self.spheres.as_ref().map_or(&[], |spheres| spheres.scene.tree().spheres())
+        let tree = indirect.lights().and_then(|lights| self.tree(lights.visibility));
+        tree.map_or(&[], SphereTree::spheres)
     }
 
     /// Shoots virtual lights, unless those of the last picture are still right.

@@ -58,7 +58,7 @@ impl Interval {
 /// The scene `museum<n>`; `None` unless `n` is from 3 to 8.
 pub(super) fn build(n: u32) -> Option<Scene> {
     let interval = Interval::of_museum(n);
-    let sculpture = sculpture::Sculpture::new(n, interval)?;
+    let sculpture = sculpture::build(n, interval)?;
     let dynamic = SceneObject {
         name: "sculpture".to_owned(),
         node: None,
