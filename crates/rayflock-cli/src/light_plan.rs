@@ -6,6 +6,7 @@ use anyhow::{Result, ensure};
 use rayflock::engine::RayEngine;
 #[cfg(feature = "bench")]
 use rayflock::render::RenderSettings;
+use rayflock::render::caustics::CausticSettings;
 use rayflock::render::lightcuts::CutSettings;
 use rayflock::render::occluders::SphereSettings;
 use rayflock::render::vpl::{ChosenBy, ChosenRays, Visibility, VplSettings};
@@ -102,6 +103,17 @@ pub(crate) fn plan_indirect(args: &LightArguments) -> Result<Indirect> {
     }
 }
 
+/// How light is found that mirrors and glass throw, if it is asked for.
+pub(crate) fn plan_caustics(args: &LightArguments) -> Result<Option<CausticSettings>> {
+    let Some(photons) = args.caustics else { return Ok(None) };
+    ensure!(
+        args.integrator == Integrator::Whitted,
+        "--caustics needs --integrator whitted: path finds no such light of lamps"
+    );
+    let radius = args.caustic_radius.unwrap_or(CausticSettings::default().radius);
+    Ok(Some(CausticSettings { photons, radius }))
+}
+
 /// What pictures are compared with to tell their error, if that is asked for.
 #[cfg(feature = "bench")]
 pub(crate) fn plan_comparison(
@@ -166,6 +178,14 @@ fn chosen_by(args: &LightArguments) -> ChosenBy {
     }
 }
 
+/// What decides about light that is thrown, in words.
+pub(crate) fn caustics_text(caustics: Option<&CausticSettings>) -> String {
+    caustics.map_or_else(
+        || "off".to_owned(),
+        |CausticSettings { photons, radius }| format!("{photons}, radius {radius}"),
+    )
+}
+
 /// What decides about indirect light, in words.
 pub(crate) fn indirect_text(indirect: &Indirect) -> String {
     match indirect {
@@ -223,6 +243,25 @@ mod tests {
         assert_eq!(planned(&format!("--indirect vpl {line}")).unwrap(), Indirect::Vpl(lights));
         let cuts = planned(&format!("--indirect lightcuts --error-bound 0.1 {line}")).unwrap();
         assert_eq!(cuts, Indirect::Lightcuts { lights, error_bound: 0.1 });
+    }
+
+    #[test]
+    fn light_that_is_thrown_is_planned_as_asked() {
+        let planned = |line: &str| {
+            let words = std::iter::once("rayflock").chain(line.split_whitespace());
+            plan_caustics(&Line::try_parse_from(words)?.light)
+        };
+        assert_eq!(planned("").unwrap(), None);
+        let expected = CausticSettings { photons: 5000, ..CausticSettings::default() };
+        assert_eq!(planned("--caustics 5000").unwrap(), Some(expected));
+        let wide = planned("--caustics 5000 --caustic-radius 0.05").unwrap();
+        assert_eq!(wide, Some(CausticSettings { radius: 0.05, ..expected }));
+        assert_eq!(caustics_text(wide.as_ref()), "5000, radius 0.05");
+        for wrong in ["--caustics 5", "--caustic-radius 0.1", "--caustics 99 --caustic-radius 2"] {
+            assert!(planned(wrong).is_err(), "{wrong}");
+        }
+        let by_paths = planned("--caustics 99 --integrator path").unwrap_err().to_string();
+        assert!(by_paths.contains("--integrator whitted"), "{by_paths}");
     }
 
     #[test]

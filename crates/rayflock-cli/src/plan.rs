@@ -18,7 +18,7 @@ use crate::input::Input;
 use crate::journal::Settings;
 #[cfg(feature = "bench")]
 use crate::light_plan::plan_comparison;
-use crate::light_plan::{indirect_text, plan_indirect};
+use crate::light_plan::{caustics_text, indirect_text, plan_caustics, plan_indirect};
 use crate::output::{Look, Target, atomic};
 use crate::plot::PlotFile;
 use crate::size::Size;
@@ -111,12 +111,14 @@ impl RenderPlan {
         check_edges(&target, args.size).blame_input()?;
         check_explained(args).blame_input()?;
         let indirect = plan_indirect(&args.light).blame_input()?;
+        let caustics = plan_caustics(&args.light).blame_input()?;
         let integrator = args.light.integrator;
         let (depth, samples) = integrator.default_depth_and_samples();
         let settings = RenderSettings {
             samples_per_pixel: args.spp.unwrap_or(samples),
             depth: args.depth.unwrap_or(depth),
             indirect,
+            caustics,
             shown: args.light.view,
             ..RenderSettings::default()
         };
@@ -189,6 +191,7 @@ impl RenderPlan {
             ("--depth", self.settings.depth.to_string()),
             ("--integrator", self.integrator.name().to_owned()),
             ("--indirect", indirect_text(&self.settings.indirect)),
+            ("--caustics", caustics_text(self.settings.caustics.as_ref())),
             ("--view", self.settings.shown.to_string()),
             ("--camera", camera),
             ("--clip", clip),

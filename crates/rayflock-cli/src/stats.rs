@@ -44,6 +44,12 @@ pub(crate) struct FrameRecord {
     /// Spheres that stand for the geometry.
     #[serde(default)]
     pub(crate) spheres: u64,
+    /// Photons of light that mirrors and glass throw.
+    #[serde(default)]
+    pub(crate) photons: u64,
+    /// Leaving and gathering them; likewise a part.
+    #[serde(default)]
+    pub(crate) caustics_ms: f64,
     /// From the first step to the finished film, files not included.
     pub(crate) total_ms: f64,
     /// Virtual lights.
@@ -57,6 +63,9 @@ pub(crate) struct FrameRecord {
     pub(crate) error: Option<ErrorRecord>,
     /// Rays by kind.
     pub(crate) rays: RayRecord,
+    /// Of the rays from the camera, those that scan conversion on a graphics card stood for.
+    #[serde(default)]
+    pub(crate) scanned: u64,
     /// What tracing took, by stage.
     #[serde(default)]
     pub(crate) stages: StageRecords,

@@ -1,10 +1,12 @@
 //! Whole pictures on the device: Whitted's model as the renderer of the CPU has it, without a way
 //! back to the host before the picture is done.
 //!
-//! For each band of rows and each sample, wave by wave:
+//! Photons come first, where light that mirrors and glass throw is asked for (`photons`). Then, for
+//! each band of rows and each sample, wave by wave:
 //!
 //! 1. **camera_rays**, or **begin_wave** for the rays that the wave before left.
-//! 2. the stages of the engine `gpu:compute` find what they hit.
+//! 2. Scan conversion finds what the rays from the camera hit, the stages of the engine
+//!    `gpu:compute` what all others do.
 //! 3. **shade_surface** turns hits into light, lit points and the rays of the next wave;
 //!    **add_emitted** brings the light to the film.
 //! 4. For each light, **shadow_rays** between it and the points, the stages of the engine once more,
@@ -15,8 +17,8 @@
 //! the rays of a bounce that are written where the next pass reads them, L. Szecsi, "The Hierarchical
 //! Ray Engine", WSCG 2006.
 //!
-//! **Departures** from the renderer of the CPU: sums in `f32`, in any order; primary rays are
-//! traced; each point asks for itself what it sees of virtual lights.
+//! **Departures** from the renderer of the CPU: sums in `f32`, in any order; what rays from the
+//! camera hit is drawn, not traced; each point asks for itself what it sees of virtual lights.
 //!
 //! **Invariants.** Whatever outgrows its buffer is counted, and read with the picture; then the band
 //! is rendered anew with more room, or fewer rows. Nothing is dropped.
@@ -27,8 +29,10 @@ mod attributes;
 mod buffers;
 mod deform;
 mod gather_lights;
+mod photons;
 mod picture;
 mod render_band;
+mod scan;
 mod scene_data;
 mod stages;
 mod standby;
@@ -57,7 +61,10 @@ use self::deform::Deformer;
 pub(crate) use self::deform::{INFLUENCE_WORDS, JOINT_WORDS, TARGET_WORDS};
 #[cfg(test)]
 pub(crate) use self::gather_lights::{BLOCK_SPHERES, SUM_PLACES};
+use self::photons::Photons;
 use self::picture::{Band, Picture, Rendered};
+pub use self::scan::PrimaryVisibility;
+use self::scan::Scan;
 use self::scene_data::SceneData;
 use self::stages::FrameStages;
 use self::standby::FrameStandby;
@@ -93,6 +100,9 @@ struct DeviceFrame {
     compute: Compute,
     stages: FrameStages,
     buffers: FrameBuffers,
+    primary: PrimaryVisibility,
+    scan: Scan,
+    photons: Photons,
     log: TraceLog,
     virtual_lights: VirtualLightStore,
     /// Why the device cannot render the committed frame, if it cannot.
@@ -119,6 +129,9 @@ impl GpuRenderer {
             compute,
             stages: FrameStages::new(context),
             buffers: FrameBuffers::new(),
+            primary: PrimaryVisibility::default(),
+            scan: Scan::new(context),
+            photons: Photons::new(context),
             log: TraceLog::new(),
             virtual_lights: VirtualLightStore::default(),
             refused: None,
@@ -134,6 +147,13 @@ impl GpuRenderer {
     /// [`GpuError`] when there is no such adapter, or it cannot be used.
     pub fn open(adapter: AdapterChoice) -> Result<Self, GpuError> {
         Self::new(&GpuContext::new(adapter)?)
+    }
+
+    /// The renderer, but finding by `primary` what the rays from the camera hit.
+    #[must_use]
+    pub fn with_primary(mut self, primary: PrimaryVisibility) -> Self {
+        self.device.primary = primary;
+        self
     }
 
     /// What the device runs on.
@@ -228,6 +248,11 @@ impl DeviceFrame {
         let start = Instant::now();
         let (width, height) = (film.width(), film.height());
         let mut stats = FrameStats::default();
+        match self.shoot_photons(context, picture) {
+            Ok(Some(shot)) => shot.add_to(&mut stats),
+            Ok(None) => return Err(cannot("so many photons")),
+            Err(fault) => return Err(lost(&fault)),
+        }
         self.virtual_lights.prepare(context, picture, &mut stats)?;
         let gathered_before = self.gather_seconds();
         let mut rows_at_once = picture.rows_at_once(width);
@@ -261,6 +286,8 @@ impl DeviceFrame {
         self.scene.hold(&mut budget);
         self.compute.hold(&mut budget);
         self.buffers.hold(&mut budget);
+        self.scan.hold(&mut budget);
+        self.photons.hold(&mut budget);
         self.log.hold(&mut budget);
         self.virtual_lights.hold(&mut budget);
         budget

@@ -211,9 +211,50 @@ pub(crate) struct FrameParams {
     pub(crate) unused_c: u32,
 }
 
+/// `ScanParams` of `frame/scan.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ScanParams {
+    pub(crate) column: [f32; 3],
+    pub(crate) width: u32,
+    pub(crate) row: [f32; 3],
+    pub(crate) row_count: u32,
+    pub(crate) depth: [f32; 3],
+    pub(crate) is_parallel: u32,
+    pub(crate) origin: [f32; 3],
+    pub(crate) unused: u32,
+    pub(crate) shift: [f32; 2],
+    pub(crate) end: [u32; 2],
+}
+
+/// `ScanCounters` of `frame/scan.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ScanCounters {
+    pub(crate) triangle_tests: u32,
+    pub(crate) sphere_tests: u32,
+}
+
 /// Bytes of a `Path` and of a `LitPoint` of `frame/frame.wgsl`, which the device keeps to itself.
 pub(crate) const PATH_BYTES: usize = 32;
 pub(crate) const POINT_BYTES: usize = 96;
+
+/// `PhotonParams` of `frame/photon_cells.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct PhotonParams {
+    pub(crate) low: [f32; 3],
+    pub(crate) radius: f32,
+    pub(crate) photon_count: u32,
+    pub(crate) bucket_count: u32,
+    pub(crate) unused: [u32; 2],
+}
+
+/// Bytes of a `Photon` and of what lies before those of a `PhotonStore` of `frame/photon.wgsl`, and
+/// of a `Bucket` of `frame/photon_cells.wgsl`.
+pub(crate) const PHOTON_BYTES: usize = 64;
+pub(crate) const PHOTONS_OFFSET: usize = 16;
+pub(crate) const BUCKET_BYTES: usize = 12;
 
 /// `Attributes` of `frame/surface_point.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

@@ -16,6 +16,7 @@
 //! | [`GpuEngineSpec`] | you have the name of an engine: `gpu:brute`, `gpu:brute@1` |
 //! | [`GpuEngine`] | you want hits |
 //! | [`GpuRenderer`] | you want pictures, and nothing on its way back before they are done |
+//! | [`PrimaryVisibility`] | you compare scan conversion with tracing |
 //! | [`GpuContext`] | several engines share a device |
 //! | [`list_adapters`] | you want to know what there is |
 //!
@@ -62,5 +63,5 @@ pub use adapter::{AdapterChoice, AdapterSummary, list_adapters};
 pub use context::GpuContext;
 pub use engine::GpuEngine;
 pub use error::GpuError;
-pub use frame::GpuRenderer;
+pub use frame::{GpuRenderer, PrimaryVisibility};
 pub use kind::{GpuEngineKind, GpuEngineSpec};

@@ -35,7 +35,7 @@ const _: () = assert!(EDGE * EDGE == RUN_SLOTS && TILE_EDGE * TILE_EDGE == TILE_
 pub(crate) const HIT_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 const RAY_FORMAT: TextureFormat = TextureFormat::Rgba32Float;
 const MASK_FORMAT: TextureFormat = TextureFormat::R32Uint;
-const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
+pub(crate) const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 
 /// The primitive of an instance, as vertex attributes.
 pub(crate) const PRIMITIVE_ATTRIBUTES: [VertexAttribute; 6] = vertex_attr_array![

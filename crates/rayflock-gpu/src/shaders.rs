@@ -32,6 +32,7 @@ pub(crate) const BRUTE_CROSS: Shader = shader!(
     "shared/intersect",
     "shared/order",
     "shared/depth",
+    "shared/write_hit",
     "shared/ray_textures",
     "shared/draw"
 );
@@ -54,6 +55,7 @@ pub(crate) const RASTER_TRACE_TILE: Shader = shader!(
     "shared/cone",
     "shared/order",
     "shared/depth",
+    "shared/write_hit",
     "shared/tiles",
     "shared/ray_textures",
     "shared/draw"
@@ -140,6 +142,24 @@ pub(crate) const CAMERA_RAYS: Shader = shader!(
     "shared/vector",
     "frame/frame"
 );
+pub(crate) const SCAN_PRIMITIVES: Shader = shader!(
+    "frame/scan_primitives",
+    "shared/primitive",
+    "shared/ray",
+    "shared/intersect",
+    "shared/order",
+    "shared/depth",
+    "shared/write_hit",
+    "frame/scan",
+    "frame/outline"
+);
+pub(crate) const TAKE_SCANNED: Shader = shader!(
+    "frame/take_scanned",
+    "shared/primitive",
+    "shared/ray",
+    "shared/intersect",
+    "frame/scan"
+);
 pub(crate) const BEGIN_WAVE: Shader = shader!(
     "frame/begin_wave",
     "shared/primitive",
@@ -157,7 +177,9 @@ pub(crate) const SHADE_SURFACE: Shader = shader!(
     "frame/frame",
     "frame/attributes",
     "frame/surface_point",
-    "frame/scatter"
+    "frame/scatter",
+    "frame/material",
+    "frame/turns"
 );
 pub(crate) const ADD_EMITTED: Shader =
     shader!("frame/add_emitted", "shared/ray", "shared/vector", "frame/frame", "frame/film");
@@ -169,6 +191,7 @@ pub(crate) const SHADOW_RAYS: Shader = shader!(
     "shared/intersect",
     "shared/vector",
     "frame/frame",
+    "frame/lamp",
     "frame/light"
 );
 pub(crate) const ADD_LIT: Shader = shader!(
@@ -180,6 +203,7 @@ pub(crate) const ADD_LIT: Shader = shader!(
     "shared/vector",
     "frame/frame",
     "frame/film",
+    "frame/lamp",
     "frame/light"
 );
 pub(crate) const GATHER_LIGHTS: Shader = shader!(
@@ -204,6 +228,36 @@ pub(crate) const WRITE_TRIANGLES: Shader = shader!(
     "shared/vector",
     "frame/attributes",
     "frame/deformed_object"
+);
+
+pub(crate) const LEAVE_PHOTONS: Shader = shader!(
+    "frame/leave_photons",
+    "shared/primitive",
+    "shared/ray",
+    "shared/vector",
+    "shared/limits",
+    "shared/intersect",
+    "frame/frame",
+    "frame/attributes",
+    "frame/surface_point",
+    "frame/scatter",
+    "frame/material",
+    "frame/turns",
+    "frame/lamp",
+    "frame/photon"
+);
+pub(crate) const SORT_PHOTONS: Shader =
+    shader!("frame/sort_photons", "frame/photon", "frame/photon_cells");
+pub(crate) const PLACE_PHOTONS: Shader =
+    shader!("frame/place_photons", "frame/photon", "frame/photon_cells");
+pub(crate) const GATHER_PHOTONS: Shader = shader!(
+    "frame/gather_photons",
+    "shared/ray",
+    "shared/vector",
+    "frame/frame",
+    "frame/film",
+    "frame/photon",
+    "frame/photon_cells"
 );
 
 /// Every program.
@@ -239,6 +293,8 @@ pub(crate) const ALL: &[Shader] = &[
     PLACE_TILES,
     TRACE_RAYS,
     CAMERA_RAYS,
+    SCAN_PRIMITIVES,
+    TAKE_SCANNED,
     BEGIN_WAVE,
     SHADE_SURFACE,
     ADD_EMITTED,
@@ -247,6 +303,10 @@ pub(crate) const ALL: &[Shader] = &[
     DEFORM_VERTICES,
     WRITE_TRIANGLES,
     GATHER_LIGHTS,
+    LEAVE_PHOTONS,
+    SORT_PHOTONS,
+    PLACE_PHOTONS,
+    GATHER_PHOTONS,
 ];
 
 #[cfg(test)]

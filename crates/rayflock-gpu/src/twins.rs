@@ -27,6 +27,9 @@ const BY_ANSWER: &str = "what it finds is compared with the engine `brute` of th
 const BY_PICTURE: &str = "the stage of this name of the renderer on the CPU (rayflock-render); pictures of \
                           both are compared (tests/suite/frames.rs)";
 
+const BY_TRACING: &str = "rays from the camera hit what the stages of gpu:compute find for the \
+                          same rays (src/frame/scan/tests.rs)";
+
 const BY_EVALUATOR: &str = "the frames of `Evaluator` (rayflock-scene), written by the host; what the \
                             device writes is compared with it (src/frame/deform/tests.rs)";
 
@@ -94,6 +97,8 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
     ),
     ("subfields/trace_rays", Twin::Elsewhere(BY_ANSWER)),
     ("frame/camera_rays", Twin::Elsewhere(BY_PICTURE)),
+    ("frame/scan_primitives", Twin::Elsewhere(BY_TRACING)),
+    ("frame/take_scanned", Twin::Elsewhere(BY_TRACING)),
     (
         "frame/begin_wave",
         Twin::Elsewhere("what is left of the rays of the wave before is not to be seen"),
@@ -113,6 +118,24 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
     ("frame/deform_vertices", Twin::Elsewhere(BY_EVALUATOR)),
     ("frame/write_triangles", Twin::Elsewhere(BY_EVALUATOR)),
     ("frame/gather_lights", Twin::Here),
+    (
+        "frame/leave_photons",
+        Twin::Elsewhere("the renderer's caustics/shoot; pictures of both are compared"),
+    ),
+    (
+        "frame/sort_photons",
+        Twin::Elsewhere(
+            "each photon is found once, where its bucket lies (src/frame/photons/tests.rs)",
+        ),
+    ),
+    (
+        "frame/place_photons",
+        Twin::Elsewhere("the test of `sort_photons` finds each bucket in a place of its own"),
+    ),
+    (
+        "frame/gather_photons",
+        Twin::Elsewhere("the renderer's caustics/gather; pictures of both are compared"),
+    ),
 ];
 
 /// A sphere: centre and radius; a negative radius where there is nothing.

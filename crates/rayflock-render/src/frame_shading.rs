@@ -7,9 +7,10 @@
 //! materials differ from primitive to primitive. Meshes and images are shared, not copied.
 
 use glam::{Affine3A, Mat3, Vec3};
-use rayflock_geom::{Geometry, GeometryObject, ObjectId};
+use rayflock_geom::{Aabb, Geometry, GeometryObject, ObjectId};
 use rayflock_scene::{
-    Background, Material, MaterialIdx, PrimMaterials, Scene, SceneFrame, SurfaceMesh, Texture,
+    Background, Fresnel, Material, MaterialIdx, PrimMaterials, Scene, SceneFrame, SurfaceMesh,
+    Texture,
 };
 
 use crate::lights::Lights;
@@ -29,6 +30,8 @@ pub(crate) struct FrameShading {
     pub(crate) lights: Lights,
     /// What the scene states.
     pub(crate) background: Option<Background>,
+    /// The objects, for what their bounds are asked for; none where only surfaces matter.
+    geometry: Geometry,
 }
 
 /// An object with what its surface looks like.
@@ -48,6 +51,7 @@ impl FrameShading {
     /// Checks and gathers what shading needs.
     pub(crate) fn new(scene: &Scene, frame: &SceneFrame) -> Result<Self, RenderError> {
         let mut shading = Self::unlit(scene, frame)?;
+        shading.geometry = frame.geometry.clone();
         shading.lights = Lights::new(&shading, &frame.geometry, &frame.lights, scene.ambient);
         Ok(shading)
     }
@@ -71,6 +75,7 @@ impl FrameShading {
             textures: scene.textures.clone(),
             lights: Lights::default(),
             background: scene.background,
+            geometry: Geometry::default(),
         })
     }
 
@@ -92,6 +97,24 @@ impl FrameShading {
     /// Whether any material sends out light.
     pub(crate) fn has_emission(&self) -> bool {
         self.materials.iter().any(|material| material.emission.max_element() > 0.0)
+    }
+
+    /// The box around all objects that mirror or let light through, if only somewhere.
+    pub(crate) fn turning_bounds(&self) -> Aabb {
+        let turns = |idx: &MaterialIdx| turns_rays(self.material(*idx));
+        let objects = self.geometry.objects().iter().filter(|object| {
+            let materials = |shaded: &ShadedObject| match &shaded.surface.attributes.materials {
+                PrimMaterials::Uniform(idx) => turns(idx),
+                PrimMaterials::PerPrim(idxs) => idxs.iter().any(turns),
+            };
+            self.object(object.id).is_some_and(materials)
+        });
+        objects.fold(Aabb::EMPTY, |bounds, object| bounds.union(&object.bounds()))
+    }
+
+    /// The box around all objects.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.geometry.bounds()
     }
 
     /// What multiplies the diffuse and ambient share at `point`: texture and vertex colour.
@@ -126,6 +149,13 @@ impl ShadedObject {
             handedness: if mirrors { -1.0 } else { 1.0 },
         }
     }
+}
+
+/// Whether rays go on after they hit such a surface.
+fn turns_rays(material: &Material) -> bool {
+    // With the equations of a dielectric, what is mirrored is not the material's to say.
+    let always = material.fresnel == Fresnel::Dielectric;
+    always || material.mirror != Vec3::ZERO || material.transmission != Vec3::ZERO
 }
 
 /// The inverse transpose times the determinant: unlike the inverse, always finite. Its sign does

@@ -11,6 +11,7 @@
 //! | [`vpl`] | you want indirect light: virtual lights, and what points see of them |
 //! | [`occluders`] | you want to know nearly, and soon, how much is in the way: spheres for geometry |
 //! | [`lightcuts`] | you have thousands of lights: clusters of them, under an error bound |
+//! | [`caustics`] | you want the light that mirrors and glass throw onto rough surfaces |
 //! | [`sun`] | you want to know for how many hours the sun shines on each face or vertex |
 //! | [`sensor`] | you simulate a LiDAR or a depth camera while the scene moves |
 //!
@@ -53,6 +54,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod caustics;
 mod error;
 mod film;
 mod frame_shading;
@@ -84,6 +86,6 @@ pub use path_tracer::PathTracer;
 pub use renderer::FrameRenderer;
 pub use settings::{Indirect, RenderSettings};
 pub use shown::Shown;
-pub use stats::{FrameStats, IndirectStats, RayCounts, StageStats, TraceStages};
+pub use stats::{CausticStats, FrameStats, IndirectStats, RayCounts, StageStats, TraceStages};
 pub use view::View;
 pub use whitted::WhittedRenderer;

@@ -10,6 +10,7 @@ use glam::{Vec2, Vec3};
 use rayflock_scene::{Background, LightKind, Scene, SceneFrame};
 
 pub use self::virtual_lights::{PreparedVirtualLights, ShotLights};
+use crate::caustics::{CausticSettings, LightView, light_views};
 use crate::frame_shading::FrameShading;
 pub use crate::lights::emitters::{Emitter, EmitterShape};
 use crate::lights::key_light::SKY_SHARE;
@@ -37,6 +38,18 @@ pub struct PictureLights {
     pub conserves: bool,
 }
 
+/// Whence lights are thrown by mirrors and glass, and how what they throw is gathered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ThrownLight {
+    /// Windows through which lights shine on what mirrors or lets light through, each with its
+    /// light.
+    pub views: Vec<(LightKind, LightView)>,
+    /// How far from a point photons count, in scene units; more than 0.
+    pub radius: f32,
+    /// The least coordinates of the geometry.
+    pub low: Vec3,
+}
+
 impl PreparedFrame {
     /// Checks a frame of `scene`.
     ///
@@ -58,6 +71,19 @@ impl PreparedFrame {
             sky_share: if lights_by_sky { SKY_SHARE } else { 0.0 },
             conserves: !is_direct,
         }
+    }
+
+    /// Whence `lights` are thrown; `None` where there is no geometry, or none that throws them.
+    pub fn thrown(&self, lights: &[LightKind], settings: &CausticSettings) -> Option<ThrownLight> {
+        let (turning, bounds) = (self.0.turning_bounds(), self.0.bounds());
+        let radius = settings.radius * bounds.size().length();
+        let views = |light: &LightKind| {
+            let views = light_views(light, &turning, &bounds, settings.photons);
+            views.into_iter().map(|view| (*light, view)).collect::<Vec<_>>()
+        };
+        let views: Vec<_> = lights.iter().flat_map(views).collect();
+        let is_thrown = radius > 0.0 && radius.is_finite() && !views.is_empty();
+        is_thrown.then_some(ThrownLight { views, radius, low: bounds.min })
     }
 
     /// Primitives that emit, in world space.

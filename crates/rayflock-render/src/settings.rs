@@ -3,6 +3,7 @@
 use rayflock_scene::Background;
 
 use crate::Shown;
+use crate::caustics::CausticSettings;
 use crate::vpl::{Visibility, VplSettings};
 
 /// How a frame is rendered. Values out of range are taken as the nearest one in range.
@@ -19,6 +20,10 @@ pub struct RenderSettings {
     pub light_samples: u32,
     /// How light is found that was scattered before; the path tracer finds it anyhow.
     pub indirect: Indirect,
+    /// Whether light is found that mirrors and glass throw onto rough surfaces, from point, spot and
+    /// directional lights; surfaces that emit throw none. The path tracer finds that of surfaces
+    /// that emit, and no other.
+    pub caustics: Option<CausticSettings>,
     /// What the pixels tell; the path tracer shows nothing but light.
     pub shown: Shown,
     /// What rays that hit nothing see, instead of what the scene says.
@@ -80,7 +85,7 @@ impl Indirect {
 
 impl Default for RenderSettings {
     /// One sample a pixel, five bounces, shadows, four light samples, ambient light in place of
-    /// light that was scattered before, the scene's background,
+    /// light that was scattered before, no light thrown by mirrors, the scene's background,
     /// and batches of `2^19` rays: an image of 800 x 600 pixels in one.
     fn default() -> Self {
         Self {
@@ -89,6 +94,7 @@ impl Default for RenderSettings {
             shadows: true,
             light_samples: 4,
             indirect: Indirect::Off,
+            caustics: None,
             shown: Shown::Light,
             background: None,
             batch_rays: 1 << 19,
@@ -104,6 +110,7 @@ impl RenderSettings {
             depth: self.depth.min(32),
             light_samples: self.light_samples.clamp(1, 1024),
             indirect: self.indirect.clamped(),
+            caustics: self.caustics.as_ref().map(CausticSettings::clamped),
             batch_rays: self.batch_rays.clamp(1, 1 << 24),
             ..self.clone()
         }

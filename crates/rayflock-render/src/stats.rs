@@ -74,8 +74,13 @@ pub struct FrameStats {
     pub stages: TraceStages,
     /// Rays by kind.
     pub rays: RayCounts,
+    /// Of the rays from the camera, those that were not traced, since scan conversion found what
+    /// they hit.
+    pub scanned: u64,
     /// Light from virtual lights.
     pub indirect: IndirectStats,
+    /// Light thrown by mirrors and glass.
+    pub caustics: CausticStats,
     /// Time spent in the engine, in seconds; 0 where there is no clock (WebAssembly).
     pub trace_seconds: f64,
     /// Time spent on everything else, in seconds; 0 where there is no clock.
@@ -97,6 +102,18 @@ impl FrameStats {
             Stage::Indirect => &mut stages.indirect,
         } += traced;
     }
+}
+
+/// What light that mirrors and glass throw took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CausticStats {
+    /// Photons that rays from lights left.
+    pub photons: u64,
+    /// Time spent on those rays, tracing included, in seconds; 0 where there is no clock.
+    pub shoot_seconds: f64,
+    /// Time spent on gathering photons, in seconds; 0 where there is no clock, and on a graphics
+    /// device, whose budget tells it.
+    pub gather_seconds: f64,
 }
 
 /// What light from virtual lights took.

@@ -24,6 +24,7 @@ use rayflock_geom::{Aabb, HitBuffer};
 use rayflock_scene::{Background, LightKind, Scene, SceneFrame};
 use tracing::debug_span;
 
+use crate::caustics::{Caustics, Shooting};
 use crate::frame_shading::FrameShading;
 use crate::shading::background::{self, DEFAULT_SKY};
 use crate::stages::accumulate::BandSums;
@@ -48,6 +49,7 @@ pub struct WhittedRenderer {
     /// Around the geometry of the committed frame.
     bounds: Aabb,
     indirect: IndirectLight,
+    caustics: Caustics,
     buffers: Buffers,
 }
 
@@ -69,6 +71,7 @@ struct Buffers {
 struct Tracer<'a> {
     engine: &'a mut dyn RayEngine,
     indirect: &'a mut IndirectLight,
+    caustics: &'a mut Caustics,
     buffers: &'a mut Buffers,
     stats: &'a mut FrameStats,
 }
@@ -90,6 +93,7 @@ impl WhittedRenderer {
             frame: None,
             bounds: Aabb::EMPTY,
             indirect: IndirectLight::default(),
+            caustics: Caustics::default(),
             buffers: Buffers::default(),
         }
     }
@@ -130,10 +134,12 @@ impl FrameRenderer for WhittedRenderer {
         let mut tracer = Tracer {
             engine: &mut *self.engine,
             indirect: &mut self.indirect,
+            caustics: &mut self.caustics,
             buffers: &mut self.buffers,
             stats: &mut stats,
         };
         picture.shoot(&self.bounds, &mut tracer);
+        picture.shoot_photons(&self.bounds, &mut tracer);
         for rows in bands(size, picture.settings.batch_rays) {
             picture.render_band(&mut tracer, view, size, &rows);
             let pixels = &mut film.pixels_mut()[rows.start * size.0..rows.end * size.0];
@@ -154,8 +160,8 @@ impl FrameRenderer for WhittedRenderer {
 
     fn memory_usage(&self) -> usize {
         let frame = self.frame.as_ref().map_or(0, FrameShading::memory_usage);
-        let kept = self.indirect.memory_usage() + self.buffers.memory_usage();
-        self.engine.memory_usage() + frame + kept
+        let kept = self.indirect.memory_usage() + self.caustics.memory_usage();
+        self.engine.memory_usage() + frame + kept + self.buffers.memory_usage()
     }
 
     fn choices(&self) -> &[Choice] {
@@ -233,6 +239,21 @@ impl<'a> Picture<'a> {
         }
     }
 
+    /// Leaves the photons of light that mirrors and glass throw, if that is shown.
+    fn shoot_photons(&self, bounds: &Aabb, tracer: &mut Tracer<'_>) {
+        let Tracer { engine, caustics, stats, .. } = tracer;
+        let RenderSettings { depth, batch_rays, shown, .. } = self.settings;
+        let shows_light = matches!(shown, Shown::Light | Shown::Vpls | Shown::Spheres);
+        match self.settings.caustics {
+            Some(settings) if shows_light => {
+                let (frame, lights) = (self.surroundings.frame, &self.lights[..]);
+                let shooting = Shooting { frame, lights, bounds, settings, depth, batch_rays };
+                caustics.shoot(&mut **engine, &shooting, stats);
+            }
+            _ => caustics.clear(),
+        }
+    }
+
     /// Renders all samples of a band of rows into the sums.
     fn render_band(
         &self,
@@ -259,7 +280,7 @@ impl<'a> Picture<'a> {
 
     /// Traces, shades and lights one wave.
     fn trace_wave(&self, wave: &Wave, sample_idx: u32, tracer: &mut Tracer<'_>) {
-        let Tracer { engine, buffers, stats, .. } = tracer;
+        let Tracer { engine, caustics, buffers, stats, .. } = tracer;
         buffers.hits.reset(wave.len());
         let stopwatch = Stopwatch::start();
         let span = debug_span!("closest_hit").entered();
@@ -280,6 +301,7 @@ impl<'a> Picture<'a> {
         if shown == Shown::Cost {
             count_rays(wave, &mut buffers.runs);
         }
+        caustics.gather(&mut buffers.runs, stats);
         if shown != Shown::Indirect {
             buffers.sums.add_unshadowed(&buffers.runs);
             self.light_directly(sample_idx, tracer);
@@ -333,7 +355,7 @@ impl<'a> Picture<'a> {
 impl Tracer<'_> {
     /// Adds what virtual lights send to the points of the current wave.
     fn gather(&mut self, settings: &Indirect, sample_idx: u32) {
-        let Tracer { engine, indirect, buffers, stats } = self;
+        let Tracer { engine, indirect, buffers, stats, .. } = self;
         let settings = (settings, sample_idx);
         indirect.gather(&mut **engine, settings, &mut buffers.runs, stats);
         buffers.occluded.clear();

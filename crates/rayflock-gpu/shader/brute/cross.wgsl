@@ -9,5 +9,5 @@ fn draw_everywhere(@builtin(vertex_index) corner: u32, prim: DrawnPrimitive) -> 
 
 @fragment
 fn cross(drawn: Drawn) -> Written {
-    return write_hit(ray_at(vec2u(drawn.position.xy)), drawn);
+    return write_hit(ray_at(vec2u(drawn.position.xy)), primitive_of(drawn));
 }

@@ -1,32 +1,10 @@
 // How much light a light sends to a point, were nothing in the way, and what the point sends back.
 
-const POINT: u32 = 0u;
-const DIRECTIONAL: u32 = 1u;
-const SPOT: u32 = 2u;
-const EMITTERS: u32 = 3u;
-
 // Rays from a light start this far along, and end this far before the point, relative to the
 // distance: a lamp's own surface does not shade it, nor rounding the point.
 const FROM_LIGHT: vec2f = vec2f(1e-4, 0.999996);
 // Rays to a sampled point end this far before it.
 const TO_EMITTER: f32 = 0.9999;
-
-struct Light {
-    position: vec3f,
-    kind: u32,
-    // Where it travels, or the axis of its cone; of unit length.
-    direction: vec3f,
-    // Whether it does not fall with the square of the distance.
-    is_constant: u32,
-    // Or the irradiance of a directional light.
-    intensity: vec3f,
-    cos_inner: f32,
-    cos_outer: f32,
-    // Of the samples on emitters that share the light.
-    sample_idx: u32,
-    sample_count: u32,
-    emitter_count: u32,
-}
 
 // A primitive that emits.
 struct Emitter {
@@ -70,10 +48,7 @@ fn lit_by(light: Light, point: LitPoint) -> Lit {
         irradiance /= dot(offset, offset);
     }
     if (light.kind == SPOT) {
-        let width = max(light.cos_inner - light.cos_outer, 1e-4);
-        let cos = -dot(to_light, light.direction);
-        let share = clamp((cos - light.cos_outer) / width, 0.0, 1.0);
-        irradiance *= share * share;
+        irradiance *= cone_share(light, -dot(to_light, light.direction));
     }
     return sent_back(point, to_light, irradiance, light.position);
 }

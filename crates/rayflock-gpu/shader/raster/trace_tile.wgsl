@@ -36,5 +36,5 @@ fn trace_tile(drawn: Drawn) -> Written {
             atomicAdd(&drawn_texels[1], 1u);
         }
     }
-    return write_hit(ray_at(texel), drawn);
+    return write_hit(ray_at(texel), primitive_of(drawn));
 }

@@ -19,28 +19,12 @@ struct Drawn {
     @location(5) @interpolate(flat) rank: u32,
 }
 
-struct Written {
-    // Bits of t, u and v, and the rank.
-    @location(0) hit: vec4u,
-    @builtin(frag_depth) depth: f32,
-}
-
 fn drawn_at(position: vec2f, prim: DrawnPrimitive) -> Drawn {
     return Drawn(vec4f(position, 0.0, 1.0), prim.a, prim.mask, prim.b, prim.kind, prim.c,
                  prim.rank);
 }
 
-// The exact test of the ray of this texel; discards where it is not accepted.
-fn write_hit(ray: Ray, drawn: Drawn) -> Written {
-    if (!is_active(ray)) {
-        discard;
-    }
-    let prepared = prepare_ray(ray.origin, ray.direction, ray.t_min, ray.mask);
-    let prim = Primitive(drawn.a, drawn.mask, drawn.b, drawn.kind, drawn.c, drawn.rank);
-    let outcome = intersect(prepared, prim, ray.t_max);
-    if (!outcome.accepted) {
-        discard;
-    }
-    let bits = vec3u(bitcast<u32>(outcome.t), bitcast<u32>(outcome.u), bitcast<u32>(outcome.v));
-    return Written(vec4u(bits, drawn.rank), depth_of(outcome.t));
+// The primitive that was handed on.
+fn primitive_of(drawn: Drawn) -> Primitive {
+    return Primitive(drawn.a, drawn.mask, drawn.b, drawn.kind, drawn.c, drawn.rank);
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use rayflock_engine::TraceStats;
-use rayflock_render::prepared::{PictureLights, PreparedFrame, sample_place};
+use rayflock_render::prepared::{PictureLights, PreparedFrame, ThrownLight, sample_place};
 use rayflock_render::{FrameStats, Lens, RenderSettings, StageStats, View};
 use rayflock_scene::{Background, Falloff, LightKind};
 
@@ -22,6 +22,8 @@ pub(super) const MOST_COLUMNS: usize = RUN_SLOTS / TILE;
 pub(super) struct Picture<'a> {
     pub(super) settings: RenderSettings,
     pub(super) lights: PictureLights,
+    /// Whence mirrors and glass throw light, if that is found.
+    pub(super) thrown: Option<ThrownLight>,
     pub(super) prepared: &'a PreparedFrame,
     pub(super) view: &'a View,
 }
@@ -50,6 +52,8 @@ pub(super) struct BandStats {
     pub(super) secondary: TraceStats,
     pub(super) shadow: TraceStats,
     pub(super) mirror_rays: u64,
+    /// Rays from the camera that were not traced.
+    pub(super) scanned: u64,
     pub(super) gathered: GatherSums,
 }
 
@@ -65,6 +69,7 @@ impl BandStats {
             stats.trace += trace;
         }
         stats.rays.primary += self.primary.rays;
+        stats.scanned += self.scanned;
         stats.rays.shadow += self.shadow.rays;
         stats.rays.mirror += self.mirror_rays;
         stats.rays.refraction += self.secondary.rays - self.mirror_rays;
@@ -78,7 +83,10 @@ impl<'a> Picture<'a> {
         view: &'a View,
         settings: RenderSettings,
     ) -> Self {
-        Self { lights: prepared.lights(view, &settings), settings, prepared, view }
+        let lights = prepared.lights(view, &settings);
+        let caustics = settings.caustics.as_ref();
+        let thrown = caustics.and_then(|caustics| prepared.thrown(&lights.lights, caustics));
+        Self { lights, thrown, settings, prepared, view }
     }
 
     /// Rows whose rays a wave may hold.
@@ -90,25 +98,12 @@ impl<'a> Picture<'a> {
 
     /// What a sample of a band begins with.
     pub(super) fn params(&self, band: &Band, sample_idx: u32) -> FrameParams {
-        let lens = Lens::new(self.view, band.width, band.height);
-        let (eye, film, is_parallel) = match lens {
-            Lens::Pinhole { origin, film } => (origin, film, 0),
-            Lens::Parallel { direction, film } => (direction, film, 1),
-        };
         let [zenith, horizon, ground] = match self.lights.background {
             Background::Uniform(radiance) => [radiance; 3],
             Background::Gradient { zenith, horizon, ground } => [zenith, horizon, ground],
         }
         .map(|radiance| radiance.to_array());
         FrameParams {
-            top_left: film.top_left.to_array(),
-            width: band.width as u32,
-            right: film.right.to_array(),
-            row_count: band.rows.len() as u32,
-            down: film.down.to_array(),
-            first_row: band.rows.start as u32,
-            eye: eye.to_array(),
-            is_parallel,
             zenith,
             sky_share: self.lights.sky_share,
             horizon,
@@ -116,7 +111,7 @@ impl<'a> Picture<'a> {
             ambient: self.lights.ambient.to_array(),
             conserves: u32::from(self.lights.conserves),
             subpixel: sample_place(sample_idx).to_array(),
-            ..FrameParams::default()
+            ..lens_params(&Lens::new(self.view, band.width, band.height), band)
         }
     }
 
@@ -150,7 +145,26 @@ impl Band {
     }
 }
 
-fn device_light(light: &LightKind) -> DeviceLight {
+/// Where the rays of a band begin, and where they go.
+pub(super) fn lens_params(lens: &Lens, band: &Band) -> FrameParams {
+    let (eye, film, is_parallel) = match lens {
+        Lens::Pinhole { origin, film } => (origin, film, 0),
+        Lens::Parallel { direction, film } => (direction, film, 1),
+    };
+    FrameParams {
+        top_left: film.top_left.to_array(),
+        width: band.width as u32,
+        right: film.right.to_array(),
+        row_count: band.rows.len() as u32,
+        down: film.down.to_array(),
+        first_row: band.rows.start as u32,
+        eye: eye.to_array(),
+        is_parallel,
+        ..FrameParams::default()
+    }
+}
+
+pub(super) fn device_light(light: &LightKind) -> DeviceLight {
     match *light {
         LightKind::Point { position, intensity, falloff } => DeviceLight {
             position: position.to_array(),

@@ -9,7 +9,7 @@ use super::DeviceFrame;
 use super::buffers::{FOLLOWED, MIRRORED, SHADOW};
 use super::gather_lights::{GatherSums, SUM_BYTES};
 use super::picture::{Band, BandStats, Picture, Rendered};
-use super::trace_log::{Logged, Traced};
+use super::trace_log::{Asked, Logged, Traced};
 use crate::compute::{Room, Wave};
 use crate::layout::{DeviceLight, FrameParams};
 use crate::method::Question;
@@ -78,7 +78,7 @@ impl DeviceFrame {
     }
 
     /// Whether there was more than buffers hold.
-    fn shortage(&mut self, logged: &[Logged], slot_count: usize) -> Option<Room> {
+    pub(super) fn shortage(&mut self, logged: &[Logged], slot_count: usize) -> Option<Room> {
         let most_rays = logged.iter().map(|logged| logged.counts[FOLLOWED]).max()?;
         let most_pairs = logged.iter().map(Logged::pairs_needed).max()?;
         if most_rays as usize > slot_count {
@@ -107,11 +107,15 @@ impl DeviceFrame {
             params.goes_on = u32::from(bounce < bounces);
             self.buffers.params.write(context, &[params]);
             self.begin_wave(context, bounce, &params);
-            let traced = if bounce == 0 { Traced::Primary } else { Traced::Secondary };
             // Rays from the camera lie in tiles, and so do those of the points that they meet.
             let is_unordered = bounce > 0;
-            self.trace(context, traced, (&params, is_unordered));
+            if bounce == 0 {
+                self.find_primary(context, &params);
+            } else {
+                self.trace(context, Traced::Secondary, (&params, is_unordered));
+            }
             self.shade(context, &params);
+            self.gather_photons(context, &params);
             for light in &lights {
                 let has_shadows = picture.settings.shadows;
                 self.light(context, light, has_shadows, (&params, is_unordered));
@@ -121,7 +125,7 @@ impl DeviceFrame {
     }
 
     /// Makes the rays from the camera, or those that the wave before left, a wave.
-    fn begin_wave(&mut self, context: &GpuContext, bounce: u32, params: &FrameParams) {
+    pub(super) fn begin_wave(&mut self, context: &GpuContext, bounce: u32, params: &FrameParams) {
         let b = &self.buffers;
         let [rays, paths, hits] = [&b.rays, &b.paths, &b.hits].map(|b| whole(b.buffer()));
         let mut encoder = StageEncoder::new(context, &mut self.clock);
@@ -136,7 +140,7 @@ impl DeviceFrame {
     }
 
     /// Finds what the rays of the wave hit, or its shadow rays.
-    fn trace(
+    pub(super) fn trace(
         &mut self,
         context: &GpuContext,
         traced: Traced,
@@ -161,7 +165,9 @@ impl DeviceFrame {
             &mut self.clock,
             &self.primitives,
             &wave,
-            &mut |encoder, counters, asked| log.add(encoder, traced, asked, [counters, counts]),
+            &mut |encoder, counters, asked| {
+                log.add(encoder, traced, Asked::Traced(asked), [counters, counts]);
+            },
         );
     }
 
@@ -271,20 +277,28 @@ fn add_logged(stats: &mut BandStats, logged: &Logged, pixel_count: u64) {
     let [mirrored, followed, shadow] =
         [MIRRORED, FOLLOWED, SHADOW].map(|kind| u64::from(logged.counts[kind]));
     let (stage, rays) = match logged.traced {
-        Traced::Primary => (&mut stats.primary, pixel_count),
+        Traced::Primary => {
+            stats.scanned += if logged.asked == Asked::Scanned { pixel_count } else { 0 };
+            (&mut stats.primary, pixel_count)
+        }
         Traced::Secondary => {
             stats.mirror_rays += mirrored;
             (&mut stats.secondary, followed)
         }
         Traced::Shadow => (&mut stats.shadow, shadow),
     };
+    *stage += trace_stats(logged, rays);
+}
+
+/// What tracing so many rays took.
+pub(super) fn trace_stats(logged: &Logged, rays: u64) -> TraceStats {
     let tests = logged.tests();
-    *stage += TraceStats {
+    TraceStats {
         rays,
         cone_tests: tests.cones,
         triangle_tests: tests.triangles,
         sphere_tests: tests.spheres,
         pairs: tests.pairs,
         ..TraceStats::default()
-    };
+    }
 }

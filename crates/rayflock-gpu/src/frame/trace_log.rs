@@ -6,7 +6,7 @@ use wgpu::{Buffer, BufferUsages, CommandEncoder};
 use super::buffers::WaveCounts;
 use crate::buffer::{GrowingBuffer, ReadBack};
 use crate::compute::{pairs_needed, tests_of};
-use crate::layout::Counters;
+use crate::layout::{Counters, ScanCounters};
 use crate::method::TestCounts;
 use crate::{GpuContext, GpuError};
 
@@ -18,19 +18,28 @@ pub(super) enum Traced {
     Shadow,
 }
 
+/// How it was found out what rays hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Asked {
+    /// By the stages of `gpu:compute`, the first of which takes so many cone tests.
+    Traced(usize),
+    /// By scan conversion, which counts single tests.
+    Scanned,
+}
+
 /// Counters of the traces of a sample, in their order.
 #[derive(Debug)]
 pub(super) struct TraceLog {
     buffer: GrowingBuffer,
-    /// What is traced, and how many cone tests the first level takes.
-    asked: Vec<(Traced, usize)>,
+    /// What is traced, and how.
+    asked: Vec<(Traced, Asked)>,
 }
 
 /// What one trace counted.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Logged {
     pub(super) traced: Traced,
-    asked: usize,
+    pub(super) asked: Asked,
     counters: Counters,
     /// As they were when it was traced: rays of the wave, and those towards its light.
     pub(super) counts: WaveCounts,
@@ -38,16 +47,32 @@ pub(super) struct Logged {
 
 /// Bytes of an entry, and where the counts begin in it.
 const COUNTS_OFFSET: usize = size_of::<Counters>();
+const SCAN_BYTES: usize = size_of::<ScanCounters>();
 const ENTRY_BYTES: usize = COUNTS_OFFSET + size_of::<WaveCounts>();
 
 impl Logged {
     pub(super) fn tests(&self) -> TestCounts {
-        tests_of(self.asked, &self.counters)
+        let counters = &self.counters;
+        match self.asked {
+            Asked::Traced(cone_tests) => tests_of(cone_tests, counters),
+            Asked::Scanned => {
+                let ScanCounters { triangle_tests, sphere_tests } =
+                    bytemuck::pod_read_unaligned(&bytemuck::bytes_of(counters)[..SCAN_BYTES]);
+                TestCounts {
+                    triangles: triangle_tests.into(),
+                    spheres: sphere_tests.into(),
+                    ..TestCounts::default()
+                }
+            }
+        }
     }
 
     /// Pairs that a buffer has to hold.
     pub(super) fn pairs_needed(&self) -> usize {
-        pairs_needed(&self.counters)
+        match self.asked {
+            Asked::Traced(_) => pairs_needed(&self.counters),
+            Asked::Scanned => 0,
+        }
     }
 }
 
@@ -68,7 +93,7 @@ impl TraceLog {
         &mut self,
         encoder: &mut CommandEncoder,
         traced: Traced,
-        asked: usize,
+        asked: Asked,
         [counters, counts]: [&Buffer; 2],
     ) {
         let offset = (self.asked.len() * ENTRY_BYTES) as u64;

@@ -20,10 +20,11 @@ use crate::layout::virtual_lights::{
     DISTANT, DeviceSoftSphere, DeviceVirtualLight, DeviceWall, GatherParams, LOBED, PLAIN,
 };
 use crate::layout::{
-    Attributes, CellParams, Cone, Counters, DEFORMED_VERTEX_BYTES, DIRECTIONAL, DeformedObject,
-    DeviceEmitter, DeviceHit, DeviceLight, DevicePrimitive, DeviceRay, EMITTERS, FrameParams,
-    NO_RANK, NOWHERE, PATH_BYTES, POINT, POINT_BYTES, Pair, Params, SPHERE, SPOT, Subfield,
-    SubfieldCounters, SubfieldParams, TRIANGLE, TileRange,
+    Attributes, BUCKET_BYTES, CellParams, Cone, Counters, DEFORMED_VERTEX_BYTES, DIRECTIONAL,
+    DeformedObject, DeviceEmitter, DeviceHit, DeviceLight, DevicePrimitive, DeviceRay, EMITTERS,
+    FrameParams, NO_RANK, NOWHERE, PATH_BYTES, PHOTON_BYTES, PHOTONS_OFFSET, POINT, POINT_BYTES,
+    Pair, Params, PhotonParams, SPHERE, SPOT, ScanCounters, ScanParams, Subfield, SubfieldCounters,
+    SubfieldParams, TRIANGLE, TileRange,
 };
 use crate::method::Question;
 use crate::primitives::BOUNDED_AT_ONCE;
@@ -321,6 +322,34 @@ fn host_and_device_agree_about_every_byte_of_virtual_lights() {
         emitted,
         emitted_pixel
     );
+}
+
+#[test]
+fn host_and_device_agree_about_every_byte_of_scan_conversion() {
+    assert_mirrors!(
+        "ScanParams",
+        ScanParams,
+        column,
+        width,
+        row,
+        row_count,
+        depth,
+        is_parallel,
+        origin,
+        unused,
+        shift,
+        end
+    );
+    assert_mirrors!("ScanCounters", ScanCounters, triangle_tests, sphere_tests);
+}
+
+#[test]
+fn host_and_device_agree_about_every_byte_of_photons() {
+    assert_mirrors!("PhotonParams", PhotonParams, low, radius, photon_count, bucket_count, unused);
+    let spans = ["Photon", "Bucket"].map(|name| structure(name).0 as usize);
+    assert_eq!(spans, [PHOTON_BYTES, BUCKET_BYTES]);
+    let (_, members) = structure("PhotonStore");
+    assert_eq!(members.last(), Some(&("photons".to_owned(), PHOTONS_OFFSET as u32)));
 }
 
 /// Names and values of the whole numbers that programs state.

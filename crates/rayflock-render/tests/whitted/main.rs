@@ -1,6 +1,7 @@
 //! Tests of whole pictures.
 
 mod agreement;
+mod caustics;
 mod common;
 mod light;
 mod paths;
