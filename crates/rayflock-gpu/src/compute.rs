@@ -4,14 +4,12 @@
 //! 1. When a frame is committed, primitives are brought into an order ([`bucket_order`]);
 //!    **bound_chunks** and **bound_blocks** write the spheres around each chunk of 16 consecutive
 //!    ones and each block of 16 chunks.
-//! 2. Rays that were born on the device, as those of a bounce, are brought into an order as well
-//!    ([`ray_order`]).
-//! 3. **bound_tiles** and **bound_nodes** compute the cones of tiles of 64 rays, of 16 tiles, and of
+//! 2. **bound_tiles** and **bound_nodes** compute the cones of tiles of 64 rays, of 16 tiles, and of
 //!    16 of those, bottom up.
-//! 4. **seed_pairs** asks the roots about all blocks; **refine** asks the children of each pair, two
+//! 3. **seed_pairs** asks the roots about all blocks; **refine** asks the children of each pair, two
 //!    times. What touches is appended, and the next stage is dispatched by its count.
-//! 5. **plan_lists** and **fill_lists** bring the blocks of each tile together.
-//! 6. **trace_tile** goes through their chunks from near to far, one workgroup a tile; rays that
+//! 4. **plan_lists** and **fill_lists** bring the blocks of each tile together.
+//! 5. **trace_tile** goes through their chunks from near to far, one workgroup a tile; rays that
 //!    share few of them go on alone. On cards four invocations have a ray in common.
 //!
 //! **Source.** L. Szecsi, "The Hierarchical Ray Engine", WSCG 2006; D. Roger, U. Assarsson, N.
@@ -29,7 +27,6 @@
 
 mod bucket_order;
 mod buffers;
-mod ray_order;
 mod stages;
 #[cfg(test)]
 mod tests;
@@ -40,12 +37,8 @@ use rayflock_engine::Budget;
 use wgpu::{Buffer, CommandEncoder};
 
 use self::bucket_order::BucketOrder;
-#[cfg(test)]
 pub(crate) use self::bucket_order::{CELLS_EACH, PLACERS};
 use self::buffers::Buffers;
-#[cfg(test)]
-pub(crate) use self::ray_order::KEY_BITS;
-use self::ray_order::RayOrder;
 pub(crate) use self::stages::Form;
 use self::stages::Stages;
 use crate::buffer::{GrowingBuffer, part_of, range_of};
@@ -79,7 +72,6 @@ pub(crate) struct Compute {
     stages: Stages,
     buffers: Buffers,
     order: BucketOrder,
-    ray_order: RayOrder,
     /// The spheres around the blocks of each part of the primitives.
     blocks: Vec<GrowingBuffer>,
     pair_capacity: usize,
@@ -103,10 +95,7 @@ pub(crate) struct Wave<'a> {
     pub(crate) rays: &'a Buffer,
     /// Of as many slots as there are rays.
     pub(crate) hits: &'a Buffer,
-    pub(crate) first_tile: usize,
     pub(crate) tile_count: usize,
-    /// Whether neighbours have little in common.
-    pub(crate) is_unordered: bool,
     pub(crate) question: Question,
 }
 
@@ -184,7 +173,6 @@ impl Compute {
             stages: Stages::new(context, form),
             buffers: Buffers::new(),
             order: BucketOrder::new(context),
-            ray_order: RayOrder::new(context),
             blocks: Vec::new(),
             pair_capacity,
             largest_capacity,
@@ -246,37 +234,18 @@ impl Compute {
         log: &mut dyn FnMut(&mut CommandEncoder, &Buffer, usize),
     ) {
         for (part_idx, part) in primitives.parts().enumerate() {
-            let tiles = wave.first_tile..wave.first_tile + wave.tile_count;
+            let tiles = 0..wave.tile_count;
             let (rays, hits) = (wave.rays.clone(), wave.hits.clone());
-            let mut span = Span { part, part_idx, rays, hits, tiles, question: wave.question };
-            if wave.is_unordered {
-                // The first part's order serves for all.
-                self.order_rays(context, clock, &mut span, part_idx == 0);
-            }
+            let span = Span { part, part_idx, rays, hits, tiles, question: wave.question };
             let mut encoder = self.encode_span(context, clock, &span);
             log(&mut encoder.encoder, self.buffers.counter_buffer(), span.asked());
             encoder.submit();
         }
     }
 
-    /// Brings the rays of a span into an order in which neighbours are alike, unless they are.
-    fn order_rays(
-        &mut self,
-        context: &GpuContext,
-        clock: &mut StageClock,
-        span: &mut Span<'_>,
-        is_new: bool,
-    ) {
-        let ray_count = span.tiles.len() * TILE_RAYS;
-        if is_new {
-            self.ray_order.reserve(context, ray_count);
-            let mut encoder = StageEncoder::new(context, clock);
-            let rays = (rays_of(span), ray_count);
-            self.ray_order.order(&mut encoder, rays, self.order.bounds());
-            encoder.submit();
-        }
-        span.rays = self.ray_order.ordered().clone();
-        span.tiles = 0..span.tiles.len();
+    /// The box around the primitives that rays may see, as `bound_scene` has written it.
+    pub(crate) fn bounds(&self) -> wgpu::BindingResource<'_> {
+        self.order.bounds()
     }
 
     /// Makes room for so many pairs, if there is not enough.
@@ -435,7 +404,6 @@ impl Method for Compute {
     fn hold(&self, budget: &mut Budget) {
         self.buffers.hold(budget);
         self.order.hold(budget);
-        self.ray_order.hold(budget);
         self.blocks.iter().for_each(|blocks| blocks.hold(budget));
     }
 }

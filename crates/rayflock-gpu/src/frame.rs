@@ -29,6 +29,7 @@ mod attributes;
 mod buffers;
 mod deform;
 mod gather_lights;
+mod order_wave;
 mod photons;
 mod picture;
 mod render_band;
@@ -61,6 +62,9 @@ use self::deform::Deformer;
 pub(crate) use self::deform::{INFLUENCE_WORDS, JOINT_WORDS, TARGET_WORDS};
 #[cfg(test)]
 pub(crate) use self::gather_lights::{BLOCK_SPHERES, SUM_PLACES};
+#[cfg(test)]
+pub(crate) use self::order_wave::KEY_BITS;
+use self::order_wave::WaveOrder;
 use self::photons::Photons;
 use self::picture::{Band, Picture, Rendered};
 pub use self::scan::PrimaryVisibility;
@@ -98,6 +102,7 @@ struct DeviceFrame {
     deformer: Deformer,
     scene: SceneData,
     compute: Compute,
+    wave_order: WaveOrder,
     stages: FrameStages,
     buffers: FrameBuffers,
     primary: PrimaryVisibility,
@@ -127,6 +132,7 @@ impl GpuRenderer {
             deformer: Deformer::new(context),
             scene: SceneData::default(),
             compute,
+            wave_order: WaveOrder::new(context),
             stages: FrameStages::new(context),
             buffers: FrameBuffers::new(),
             primary: PrimaryVisibility::default(),
@@ -285,6 +291,7 @@ impl DeviceFrame {
         self.deformer.hold(&mut budget);
         self.scene.hold(&mut budget);
         self.compute.hold(&mut budget);
+        self.wave_order.hold(&mut budget);
         self.buffers.hold(&mut budget);
         self.scan.hold(&mut budget);
         self.photons.hold(&mut budget);

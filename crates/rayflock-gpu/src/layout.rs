@@ -203,12 +203,8 @@ pub(crate) struct FrameParams {
     pub(crate) ambient: [f32; 3],
     pub(crate) goes_on: u32,
     pub(crate) subpixel: [f32; 2],
-    pub(crate) first_slot: u32,
-    pub(crate) next_first_slot: u32,
     pub(crate) conserves: u32,
-    pub(crate) unused_a: u32,
-    pub(crate) unused_b: u32,
-    pub(crate) unused_c: u32,
+    pub(crate) unused: u32,
 }
 
 /// `ScanParams` of `frame/scan.wgsl`.

@@ -116,8 +116,6 @@ pub(crate) const PLACE_CELLS: Shader =
 pub(crate) const ORDER_PRIMITIVES: Shader = shader!("compute/order_primitives", "shared/primitive");
 pub(crate) const SIZE_CHUNKS: Shader = shader!("compute/size_chunks");
 pub(crate) const TAKE_ORDER: Shader = shader!("compute/take_order", "shared/primitive");
-pub(crate) const COUNT_RAYS: Shader = shader!("compute/count_rays", "shared/ray", "shared/order");
-pub(crate) const ORDER_RAYS: Shader = shader!("compute/order_rays", "shared/ray");
 pub(crate) const MARK_DIRECTIONS: Shader =
     shader!("subfields/mark_directions", "shared/ray", "subfields/params");
 pub(crate) const OPEN_SUBFIELDS: Shader =
@@ -160,8 +158,16 @@ pub(crate) const TAKE_SCANNED: Shader = shader!(
     "shared/intersect",
     "frame/scan"
 );
-pub(crate) const BEGIN_WAVE: Shader = shader!(
-    "frame/begin_wave",
+pub(crate) const COUNT_RAYS: Shader = shader!(
+    "frame/count_rays",
+    "shared/primitive",
+    "shared/ray",
+    "shared/order",
+    "shared/intersect",
+    "frame/frame"
+);
+pub(crate) const ORDER_WAVE: Shader = shader!(
+    "frame/order_wave",
     "shared/primitive",
     "shared/ray",
     "shared/intersect",
@@ -274,8 +280,6 @@ pub(crate) const ALL: &[Shader] = &[
     ORDER_PRIMITIVES,
     SIZE_CHUNKS,
     TAKE_ORDER,
-    COUNT_RAYS,
-    ORDER_RAYS,
     BOUND_CHUNKS,
     BOUND_BLOCKS,
     BOUND_TILES,
@@ -295,7 +299,8 @@ pub(crate) const ALL: &[Shader] = &[
     CAMERA_RAYS,
     SCAN_PRIMITIVES,
     TAKE_SCANNED,
-    BEGIN_WAVE,
+    COUNT_RAYS,
+    ORDER_WAVE,
     SHADE_SURFACE,
     ADD_EMITTED,
     SHADOW_RAYS,

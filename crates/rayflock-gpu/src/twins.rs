@@ -62,13 +62,6 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
         Twin::Elsewhere("two sums; its test has orders of which either is better"),
     ),
     ("compute/take_order", Twin::Elsewhere("a copy; as for `size_chunks`")),
-    ("compute/count_rays", Twin::Here),
-    (
-        "compute/order_rays",
-        Twin::Elsewhere(
-            "each to its place; the test of `count_rays` finds each once, where its key is",
-        ),
-    ),
     ("compute/bound_chunks", Twin::Here),
     ("compute/bound_blocks", Twin::Here),
     ("compute/bound_tiles", Twin::Here),
@@ -99,9 +92,12 @@ pub(crate) const TWINS: &[(&str, Twin)] = &[
     ("frame/camera_rays", Twin::Elsewhere(BY_PICTURE)),
     ("frame/scan_primitives", Twin::Elsewhere(BY_TRACING)),
     ("frame/take_scanned", Twin::Elsewhere(BY_TRACING)),
+    ("frame/count_rays", Twin::Here),
     (
-        "frame/begin_wave",
-        Twin::Elsewhere("what is left of the rays of the wave before is not to be seen"),
+        "frame/order_wave",
+        Twin::Elsewhere(
+            "each to its place; the test of `count_rays` finds each once, where its key is",
+        ),
     ),
     ("frame/shade_surface", Twin::Elsewhere(BY_PICTURE)),
     (

@@ -1,7 +1,7 @@
 // What the stages of a picture share; `layout` mirrors it.
 //
-// A wave is the rays of one bounce, one a slot; the waves of two bounces lie in the two halves of a
-// buffer, and take turns.
+// A wave is the rays of one bounce, one a slot. It lies in the first half of a buffer; what it leaves
+// for the next one is appended to the second.
 
 // Stands for a slot whose ray found nothing that lights may light.
 const NO_PIXEL: u32 = 0xffffffffu;
@@ -34,14 +34,9 @@ struct FrameParams {
     goes_on: u32,
     // Where in its pixel a ray goes through.
     subpixel: vec2f,
-    // The halves of this wave and of the next one.
-    first_slot: u32,
-    next_first_slot: u32,
     // Whether surfaces that would send back more light than arrives are scaled down.
     conserves: u32,
-    unused_a: u32,
-    unused_b: u32,
-    unused_c: u32,
+    unused: u32,
 }
 
 // What a ray carries besides its geometry.

@@ -31,10 +31,10 @@ struct Arrived {
 @compute @workgroup_size(64)
 fn leave_photons(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let slot = group.x * 64u + lane;
-    let ray = rays[frame.first_slot + slot];
+    let ray = rays[slot];
     var arrived = Arrived(no_photon(), NOT_TURNED, NOT_TURNED, 0u);
     if (is_active(ray) && hits[slot].rank != NO_RANK) {
-        arrived = arrive(ray, paths[frame.first_slot + slot], hits[slot]);
+        arrived = arrive(ray, paths[slot], hits[slot]);
     }
     let leaves = any(arrived.photon.flux != vec3f(0.0));
     var place = 0u;

@@ -25,10 +25,10 @@ struct Shaded {
 @compute @workgroup_size(64)
 fn shade_surface(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let slot = group.x * 64u + lane;
-    let ray = rays[frame.first_slot + slot];
+    let ray = rays[slot];
     var shaded = Shaded(nothing_lit(), NOT_TURNED, NOT_TURNED);
     if (is_active(ray)) {
-        shaded = shade_ray(ray, paths[frame.first_slot + slot], hits[slot]);
+        shaded = shade_ray(ray, paths[slot], hits[slot]);
     }
     points[slot] = shaded.point;
     follow_turns(shaded.mirror, shaded.refraction, 0u, lane);

@@ -51,7 +51,7 @@ fn follow_turns(mirror: Turned, refraction: Turned, carried: u32, lane: u32) {
 
 fn follow(turned: Turned, place: u32, carried: u32) {
     if (place < frame.slot_count) {
-        let slot = frame.next_first_slot + place;
+        let slot = frame.slot_count + place;
         rays[slot] = traced_ray(turned.origin, turned.direction, 0.0, LARGEST, place);
         rays[slot].unused = carried;
         paths[slot] = turned.path;

@@ -17,7 +17,7 @@ pub(crate) const SHADOW: usize = 2;
 /// Buffers of a wave, of its shadow rays and of the film.
 #[derive(Debug)]
 pub(super) struct FrameBuffers {
-    /// Two halves each, which waves take in turns.
+    /// Two halves each: those of the wave, and those that it leaves for the next one.
     pub(super) rays: GrowingBuffer,
     pub(super) paths: GrowingBuffer,
     pub(super) hits: GrowingBuffer,

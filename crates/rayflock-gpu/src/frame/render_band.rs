@@ -101,24 +101,18 @@ impl DeviceFrame {
         let lights: Vec<_> = picture.device_lights(sample_idx, emitter_count).collect();
         self.log.begin(context, (bounces as usize + 1) * (lights.len() + 1));
         for bounce in 0..=bounces {
-            let halves = [0, params.slot_count];
-            params.first_slot = halves[bounce as usize % 2];
-            params.next_first_slot = halves[(bounce as usize + 1) % 2];
             params.goes_on = u32::from(bounce < bounces);
             self.buffers.params.write(context, &[params]);
             self.begin_wave(context, bounce, &params);
-            // Rays from the camera lie in tiles, and so do those of the points that they meet.
-            let is_unordered = bounce > 0;
             if bounce == 0 {
                 self.find_primary(context, &params);
             } else {
-                self.trace(context, Traced::Secondary, (&params, is_unordered));
+                self.trace(context, Traced::Secondary, &params);
             }
             self.shade(context, &params);
             self.gather_photons(context, &params);
             for light in &lights {
-                let has_shadows = picture.settings.shadows;
-                self.light(context, light, has_shadows, (&params, is_unordered));
+                self.light(context, light, picture.settings.shadows, &params);
             }
             self.gather_lights(context, &params, pixel_count);
         }
@@ -127,36 +121,29 @@ impl DeviceFrame {
     /// Makes the rays from the camera, or those that the wave before left, a wave.
     pub(super) fn begin_wave(&mut self, context: &GpuContext, bounce: u32, params: &FrameParams) {
         let b = &self.buffers;
-        let [rays, paths, hits] = [&b.rays, &b.paths, &b.hits].map(|b| whole(b.buffer()));
         let mut encoder = StageEncoder::new(context, &mut self.clock);
         if bounce == 0 {
+            let [rays, paths, hits] = [&b.rays, &b.paths, &b.hits].map(|b| whole(b.buffer()));
             let resources = [rays, paths, hits, b.params()];
             encoder.stage(&self.stages.camera_rays, &resources, tiles(params));
         } else {
-            let resources = [rays, hits, b.counts(), b.params()];
-            encoder.stage(&self.stages.begin_wave, &resources, tiles(params));
+            let slot_count = params.slot_count as usize;
+            self.wave_order.order(&mut encoder, b, slot_count, self.compute.bounds());
         }
         encoder.submit();
     }
 
     /// Finds what the rays of the wave hit, or its shadow rays.
-    pub(super) fn trace(
-        &mut self,
-        context: &GpuContext,
-        traced: Traced,
-        (params, is_unordered): (&FrameParams, bool),
-    ) {
+    pub(super) fn trace(&mut self, context: &GpuContext, traced: Traced, params: &FrameParams) {
         let b = &self.buffers;
-        let (rays, hits, first_slot, question) = match traced {
-            Traced::Shadow => (&b.shadow_rays, &b.shadow_hits, 0, Question::Occluded),
-            _ => (&b.rays, &b.hits, params.first_slot, Question::Closest),
+        let (rays, hits, question) = match traced {
+            Traced::Shadow => (&b.shadow_rays, &b.shadow_hits, Question::Occluded),
+            _ => (&b.rays, &b.hits, Question::Closest),
         };
         let wave = Wave {
             rays: rays.buffer(),
             hits: hits.buffer(),
-            first_tile: first_slot as usize / TILE_RAYS,
             tile_count: params.slot_count as usize / TILE_RAYS,
-            is_unordered,
             question,
         };
         let (log, counts) = (&mut self.log, b.counts.buffer());
@@ -202,7 +189,7 @@ impl DeviceFrame {
         context: &GpuContext,
         light: &DeviceLight,
         has_shadows: bool,
-        (params, is_unordered): (&FrameParams, bool),
+        params: &FrameParams,
     ) {
         self.buffers.light.write(context, std::slice::from_ref(light));
         let b = &self.buffers;
@@ -221,7 +208,7 @@ impl DeviceFrame {
         encoder.stage(&self.stages.shadow_rays, &resources, tiles(params));
         encoder.submit();
         if has_shadows {
-            self.trace(context, Traced::Shadow, (params, is_unordered));
+            self.trace(context, Traced::Shadow, params);
         }
         let b = &self.buffers;
         let resources = [

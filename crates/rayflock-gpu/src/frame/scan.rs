@@ -227,7 +227,7 @@ impl DeviceFrame {
         let scan_params = wanted.then(|| scan_params(params)).flatten();
         let (Some(scan_params), Some(primitives)) = (scan_params, self.primitives.parts().next())
         else {
-            self.trace(context, Traced::Primary, (params, false));
+            self.trace(context, Traced::Primary, params);
             return false;
         };
         let b = &self.buffers;

@@ -8,7 +8,6 @@ use crate::shaders;
 #[derive(Debug)]
 pub(super) struct FrameStages {
     pub(super) camera_rays: ComputeStage,
-    pub(super) begin_wave: ComputeStage,
     pub(super) shade_surface: ComputeStage,
     pub(super) add_emitted: ComputeStage,
     pub(super) shadow_rays: ComputeStage,
@@ -21,7 +20,6 @@ impl FrameStages {
         let stage = |shader| compute_stage(context, shader, &[]);
         Self {
             camera_rays: stage(shaders::CAMERA_RAYS),
-            begin_wave: stage(shaders::BEGIN_WAVE),
             shade_surface: stage(shaders::SHADE_SURFACE),
             add_emitted: stage(shaders::ADD_EMITTED),
             shadow_rays: stage(shaders::SHADOW_RAYS),

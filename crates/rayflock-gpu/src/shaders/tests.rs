@@ -10,11 +10,11 @@ use rayflock_geom::simd::segment_spheres::{AT_END, DARK, RISE};
 
 use super::{ALL, GATHER_LIGHTS, Shader};
 use crate::compute::{
-    BLOCK_CHUNKS, CELLS_EACH, CHUNK_PRIMS, FAN_OUT, FIRST_NODE, FIRST_ROOT, KEY_BITS, PLACERS,
+    BLOCK_CHUNKS, CELLS_EACH, CHUNK_PRIMS, FAN_OUT, FIRST_NODE, FIRST_ROOT, PLACERS,
 };
 use crate::frame::{
     BLOCK_SPHERES, FOLLOWED, HAS_NORMALS, HAS_UVS, INFLUENCE_WORDS, IS_MIRRORED, JOINT_WORDS,
-    MIRRORED, SHADOW, SUM_PLACES, TARGET_WORDS,
+    KEY_BITS, MIRRORED, SHADOW, SUM_PLACES, TARGET_WORDS,
 };
 use crate::layout::virtual_lights::{
     DISTANT, DeviceSoftSphere, DeviceVirtualLight, DeviceWall, GatherParams, LOBED, PLAIN,
@@ -211,12 +211,8 @@ fn host_and_device_agree_about_every_byte_of_a_picture() {
         ambient,
         goes_on,
         subpixel,
-        first_slot,
-        next_first_slot,
         conserves,
-        unused_a,
-        unused_b,
-        unused_c
+        unused
     );
     assert_mirrors!(
         "Attributes",

@@ -159,18 +159,17 @@ impl DeviceFrame {
         self.buffers.light.write(context, &[device_light(light)]);
         self.log.begin(context, depth as usize + 1);
         for bounce in 0..=depth {
-            let wave = (bounce, slot_count as u32);
             let params = FrameParams {
                 first_texture: self.scene.first_texture() as u32,
                 goes_on: u32::from(bounce < depth),
-                ..wave_params(&view.lens, band, wave)
+                ..wave_params(&view.lens, band, slot_count as u32)
             };
             self.buffers.params.write(context, &[params]);
             self.begin_wave(context, bounce, &params);
             if bounce == 0 {
                 self.find_primary(context, &params);
             } else {
-                self.trace(context, Traced::Secondary, (&params, true));
+                self.trace(context, Traced::Secondary, &params);
             }
             self.leave_wave(context, &params);
         }
@@ -218,14 +217,11 @@ fn rays_of(logged: &Logged, band: &Band) -> u64 {
 }
 
 /// What a wave from a light begins with, of so many slots.
-fn wave_params(lens: &Lens, band: &Band, (bounce, slot_count): (u32, u32)) -> FrameParams {
-    let halves = [0, slot_count];
+fn wave_params(lens: &Lens, band: &Band, slot_count: u32) -> FrameParams {
     FrameParams {
         slot_count,
         // Through the middles of texels.
         subpixel: [0.5; 2],
-        first_slot: halves[bounce as usize % 2],
-        next_first_slot: halves[(bounce as usize + 1) % 2],
         ..lens_params(lens, band)
     }
 }

@@ -1,32 +1,30 @@
-// Finds the key of each ray, and its place among those of the same key: rays that start and go
-// alike have keys that are close.
+// Finds the key of each ray that the wave before left, and its place among those of the same key:
+// rays that start and go alike have keys that are close.
 //
 // Origins lie among 8 x 8 x 8 cells of the scene's box, directions among 8 x 8 of an octahedral map;
-// the bits of all five numbers, interleaved, are the key. Rays that are not traced have the last one.
+// the bits of all five numbers, interleaved, are the key. Slots without a ray have the last one.
 
 @group(0) @binding(0) var<storage, read> rays: array<Ray>;
 // As `bound_scene` writes them.
 @group(0) @binding(1) var<storage, read> bounds: array<u32, 6>;
-@group(0) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
+@group(0) @binding(2) var<storage, read> wave_counts: array<u32, 4>;
+@group(0) @binding(3) var<storage, read_write> counts: array<atomic<u32>>;
 // The key, and the place among its rays.
-@group(0) @binding(3) var<storage, read_write> places: array<vec2u>;
+@group(0) @binding(4) var<storage, read_write> places: array<vec2u>;
+@group(0) @binding(5) var<uniform> frame: FrameParams;
 
 // Bits of each of the five numbers.
 const KEY_BITS: u32 = 3u;
 const IDLE_KEY: u32 = 1u << (5u * KEY_BITS);
 
 @compute @workgroup_size(64)
-fn count_rays(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u,
-              @builtin(local_invocation_index) lane: u32) {
-    let ray_idx = (group.y * groups.x + group.x) * 64u + lane;
-    if (ray_idx < arrayLength(&rays)) {
-        let ray = rays[ray_idx];
-        var key = IDLE_KEY;
-        if (is_active(ray)) {
-            key = key_of(ray);
-        }
-        places[ray_idx] = vec2u(key, atomicAdd(&counts[key], 1u));
+fn count_rays(@builtin(global_invocation_id) id: vec3u) {
+    let slot = id.x;
+    var key = IDLE_KEY;
+    if (slot < wave_counts[FOLLOWED]) {
+        key = key_of(rays[frame.slot_count + slot]);
     }
+    places[slot] = vec2u(key, atomicAdd(&counts[key], 1u));
 }
 
 fn key_of(ray: Ray) -> u32 {
