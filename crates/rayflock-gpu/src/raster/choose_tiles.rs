@@ -7,8 +7,9 @@
 use super::level::EDGES;
 use crate::ray_textures::TILES_PER_ROW;
 
-/// Cones with a larger sine of the half angle are cut.
-const WIDE: f32 = 0.25;
+/// Cones with a larger sine of the half angle are cut. Chosen for few exact tests; see
+/// `docs/algorithms/gpu.md` for what that takes.
+const WIDE: f32 = 0.1;
 
 /// Tiles to draw of each level, by column and row.
 pub(super) type Chosen = [Vec<[u32; 2]>; EDGES.len()];
