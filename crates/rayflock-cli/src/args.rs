@@ -18,7 +18,7 @@ mod trace;
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use rayflock::import::UpAxis;
 use rayflock::render::tonemap::ToneMap;
 
@@ -98,10 +98,9 @@ pub(crate) enum Command {
     Render(Box<RenderArguments>),
     /// Write the triangles and points of each frame: .npz, or .ply and .obj sequences.
     Convert(ConvertArguments),
-    /// Tell what is in a scene, what moves how, and what is wrong with it.
+    /// Tell what is in a scene, what moves how, and what is wrong with it; or which graphics
+    /// adapters there are.
     Info(InfoArguments),
-    /// List the graphics adapters of this machine, for --engine gpu:compute@NUMBER.
-    Devices(DevicesArguments),
     /// Tell how many hours the sun shines on each face or vertex of a scene.
     Sun(Box<SunArguments>),
     /// Sweep a scene with a LiDAR or a depth camera while it moves: points, ranges, intensities.
@@ -157,24 +156,22 @@ pub(crate) struct InputArguments {
 
 /// Options of `info`.
 #[derive(Debug, Args)]
+#[command(group(ArgGroup::new("about").required(true).args(["name", "devices"])))]
 pub(crate) struct InfoArguments {
     /// Where the scene comes from.
     #[command(flatten)]
-    pub(crate) input: InputArguments,
+    pub(crate) input: Option<InputArguments>,
+
+    /// List the graphics adapters of this machine, for --engine gpu:compute@NUMBER and --device
+    /// gpu:NUMBER, in place of a scene.
+    #[arg(long)]
+    pub(crate) devices: bool,
 
     /// The clip to tell about, by name [default: the first].
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
 
-    /// Print one JSON object instead of text.
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-/// Options of `devices`.
-#[derive(Debug, Args)]
-pub(crate) struct DevicesArguments {
-    /// Print one JSON array instead of text.
+    /// Print one JSON object instead of text; of adapters, an array.
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -235,8 +232,8 @@ pub(crate) struct RenderArguments {
     pub(crate) engine: EngineChoice,
 
     /// What renders whole frames: cpu, or in a program built with --features gpu also gpu, which
-    /// takes no engine, and gpu:NUMBER or gpu:NAME for one of the adapters that `rayflock devices`
-    /// lists.
+    /// takes no engine, and gpu:NUMBER or gpu:NAME for one of the adapters that `rayflock info
+    /// --devices` lists.
     ///
     /// Pictures of both look the same. What a graphics card cannot render yet, paths and virtual
     /// lights with exact visibility among it, the processor does, and the program says so.

@@ -27,11 +27,10 @@
 
 mod bucket_order;
 mod buffers;
+mod span;
 mod stages;
 #[cfg(test)]
 mod tests;
-
-use std::ops::Range;
 
 use rayflock_engine::Budget;
 use wgpu::{Buffer, CommandEncoder};
@@ -39,13 +38,15 @@ use wgpu::{Buffer, CommandEncoder};
 use self::bucket_order::BucketOrder;
 pub(crate) use self::bucket_order::{CELLS_EACH, PLACERS};
 use self::buffers::Buffers;
+use self::span::{Span, rays_of};
+pub(crate) use self::span::{pairs_needed, tests_of};
 pub(crate) use self::stages::Form;
 use self::stages::Stages;
-use crate::buffer::{GrowingBuffer, part_of, range_of};
-use crate::layout::{Counters, DeviceHit, DeviceRay, Params};
+use crate::buffer::{GrowingBuffer, part_of};
+use crate::layout::{Counters, DeviceHit, Params};
 use crate::method::{Method, Question, TestCounts};
 use crate::pass::{Groups, StageEncoder};
-use crate::primitives::{Part, PrimitiveStore};
+use crate::primitives::PrimitiveStore;
 use crate::slots::{RUN_SLOTS, Run, TILE_RAYS};
 use crate::stage_clock::StageClock;
 use crate::{GpuContext, GpuError};
@@ -78,17 +79,6 @@ pub(crate) struct Compute {
     largest_capacity: usize,
 }
 
-/// What is traced at a time: some tiles against one part of the primitives.
-#[derive(Clone, Debug)]
-struct Span<'a> {
-    part: Part<'a>,
-    part_idx: usize,
-    rays: Buffer,
-    hits: Buffer,
-    tiles: Range<usize>,
-    question: Question,
-}
-
 /// Rays that are on the device, and where what they hit goes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wave<'a> {
@@ -106,56 +96,6 @@ pub(crate) enum Room {
     Grown,
     /// Buffers may not be larger.
     Exhausted,
-}
-
-impl Span<'_> {
-    fn chunk_count(&self) -> usize {
-        self.part.count.div_ceil(CHUNK_PRIMS)
-    }
-
-    fn block_count(&self) -> usize {
-        self.chunk_count().div_ceil(BLOCK_CHUNKS)
-    }
-
-    fn node_count(&self) -> usize {
-        self.tiles.len().div_ceil(FAN_OUT)
-    }
-
-    fn root_count(&self) -> usize {
-        self.node_count().div_ceil(FAN_OUT)
-    }
-
-    /// Both halves.
-    fn halves(&self) -> [Self; 2] {
-        let middle = self.tiles.start + self.tiles.len() / 2;
-        let with = |tiles| Self { tiles, ..self.clone() };
-        [with(self.tiles.start..middle), with(middle..self.tiles.end)]
-    }
-
-    /// Cone tests of the first level.
-    fn asked(&self) -> usize {
-        self.root_count() * self.block_count()
-    }
-}
-
-/// The tests of a trace whose first level took so many cone tests.
-pub(crate) fn tests_of(asked: usize, found: &Counters) -> TestCounts {
-    let [root_pairs, node_pairs, tile_pairs] =
-        [found.root_pairs, found.node_pairs, found.tile_pairs].map(u64::from);
-    let children = FAN_OUT as u64 * (root_pairs + node_pairs);
-    let in_tiles = CHUNK_PRIMS as u64 * u64::from(found.cone_tests);
-    let of_all_rays = |tests: u32| TILE_RAYS as u64 * u64::from(tests);
-    TestCounts {
-        cones: asked as u64 + children + in_tiles + of_all_rays(found.ray_tests),
-        triangles: of_all_rays(found.triangle_tests),
-        spheres: of_all_rays(found.sphere_tests),
-        pairs: root_pairs + node_pairs + tile_pairs,
-    }
-}
-
-/// Pairs that a buffer has to hold.
-pub(crate) fn pairs_needed(found: &Counters) -> usize {
-    found.root_pairs.max(found.node_pairs).max(found.tile_pairs) as usize
 }
 
 impl Compute {
@@ -351,12 +291,6 @@ impl Compute {
     fn blocks_of(&self, span: &Span<'_>) -> wgpu::BindingResource<'_> {
         part_of(self.blocks[span.part_idx].buffer(), span.block_count() * SPHERE_BYTES)
     }
-}
-
-/// The rays of a span; tiles are a multiple of what offsets must be aligned to.
-fn rays_of<'a>(span: &'a Span<'_>) -> wgpu::BindingResource<'a> {
-    let tile_bytes = TILE_RAYS * size_of::<DeviceRay>();
-    range_of(&span.rays, span.tiles.start * tile_bytes, span.tiles.len() * tile_bytes)
 }
 
 impl Method for Compute {

@@ -4,14 +4,15 @@
 //! Photons come first, where light that mirrors and glass throw is asked for (`photons`). Then, for
 //! each band of rows and each sample, wave by wave:
 //!
-//! 1. **camera_rays**, or **begin_wave** for the rays that the wave before left.
+//! 1. **camera_rays**, or **order_wave** for the rays that the wave before left.
 //! 2. Scan conversion finds what the rays from the camera hit, the stages of the engine
 //!    `gpu:compute` what all others do.
 //! 3. **shade_surface** turns hits into light, lit points and the rays of the next wave;
 //!    **add_emitted** brings the light to the film.
 //! 4. For each light, **shadow_rays** between it and the points, the stages of the engine once more,
 //!    and **add_lit**.
-//! 5. **gather_lights** adds what virtual lights send past spheres, where there are any.
+//! 5. **gather_photons** and **gather_lights** add what photons bring and what virtual lights send
+//!    past spheres, where there are any.
 //!
 //! **Source.** T. Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980; for
 //! the rays of a bounce that are written where the next pass reads them, L. Szecsi, "The Hierarchical
@@ -23,7 +24,7 @@
 //! **Invariants.** Whatever outgrows its buffer is counted, and read with the picture; then the band
 //! is rendered anew with more room, or fewer rows. Nothing is dropped.
 //!
-//! **Cost.** Some 330 bytes a slot; a wait for each band and sample, none for a bounce.
+//! **Cost.** Some 350 bytes a slot and 20 a pixel; a wait for each band and sample, none for a bounce.
 
 mod attributes;
 mod buffers;
@@ -32,6 +33,7 @@ mod gather_lights;
 mod order_wave;
 mod photons;
 mod picture;
+mod refusal;
 mod render_band;
 mod scan;
 mod scene_data;
@@ -47,7 +49,7 @@ use std::time::Instant;
 
 use rayflock_engine::{Budget, CommitStats};
 use rayflock_render::prepared::PreparedFrame;
-use rayflock_render::{Film, FrameRenderer, FrameStats, RenderError, RenderSettings, Shown, View};
+use rayflock_render::{Film, FrameRenderer, FrameStats, RenderError, RenderSettings, View};
 use rayflock_scene::{Scene, SceneFrame};
 use tracing::debug_span;
 
@@ -67,13 +69,14 @@ pub(crate) use self::order_wave::KEY_BITS;
 use self::order_wave::WaveOrder;
 use self::photons::Photons;
 use self::picture::{Band, Picture, Rendered};
+use self::refusal::{cannot, lost, refusal, unsupported};
 pub use self::scan::PrimaryVisibility;
 use self::scan::Scan;
 use self::scene_data::SceneData;
 use self::stages::FrameStages;
 use self::standby::FrameStandby;
 use self::trace_log::TraceLog;
-use self::virtual_lights::{VirtualLightStore, beyond_device};
+use self::virtual_lights::VirtualLightStore;
 use crate::compute::Compute;
 use crate::method::Method;
 use crate::primitives::PrimitiveStore;
@@ -297,40 +300,9 @@ impl DeviceFrame {
         self.photons.hold(&mut budget);
         self.log.hold(&mut budget);
         self.virtual_lights.hold(&mut budget);
+        if self.refused.is_some() {
+            budget.sent_bytes = 0;
+        }
         budget
     }
-}
-
-/// Why the device cannot render a frame, if it cannot.
-fn refusal(frame: &SceneFrame, scene: &Scene) -> Option<String> {
-    let shapes = || frame.geometry.objects().iter().map(|object| &object.shape);
-    if shapes().any(|shape| shape.user().is_some_and(|user| !user.is_empty())) {
-        return Some(cannot("user primitives"));
-    }
-    let prim_count: usize = shapes().map(|shape| shape.prim_count()).sum();
-    let texel_count: usize = scene.textures.iter().map(|texture| texture.texels.len()).sum();
-    let (most_prims, most_texels) = (attributes::MOST_PRIMS, scene_data::MOST_TEXELS);
-    if prim_count > most_prims {
-        return Some(cannot(&format!("{prim_count} primitives, but {most_prims}")));
-    }
-    (texel_count > most_texels).then(|| cannot(&format!("{texel_count} texels, but {most_texels}")))
-}
-
-/// Why the device cannot render with these settings, if it cannot.
-fn unsupported(settings: &RenderSettings, width: usize) -> Option<String> {
-    if settings.shown != Shown::Light {
-        return Some(cannot(&format!("the view \"{}\"", settings.shown)));
-    }
-    if let Some(what) = beyond_device(&settings.indirect) {
-        return Some(cannot(what));
-    }
-    (width > picture::MOST_COLUMNS).then(|| cannot(&format!("rows of {width} pixels")))
-}
-
-fn lost(fault: &GpuError) -> String {
-    format!("{fault}; the renderer on the CPU goes on")
-}
-
-fn cannot(what: &str) -> String {
-    format!("the graphics device cannot render {what}; the renderer on the CPU does")
 }

@@ -25,7 +25,7 @@
 //! batches. What turns lose at surfaces and in glass is lost; the flux of all photons is the rest,
 //! but for paths that are not worth following.
 //!
-//! **Cost.** A ray a texel and turn, 52 bytes a photon; a test for each photon in up to eight
+//! **Cost.** A ray a texel and turn, 104 bytes a photon and up to 8 for its cell; a test for each photon in up to eight
 //! cells, of twice the radius, for each point.
 
 mod gather;
@@ -82,6 +82,8 @@ pub(crate) struct Shooting<'a> {
     /// Of all geometry.
     pub(crate) bounds: &'a Aabb,
     pub(crate) settings: CausticSettings,
+    /// Whether surfaces that would send back more light than arrives are scaled down.
+    pub(crate) conserves: bool,
     /// Turns that a path may take.
     pub(crate) depth: u32,
     /// Rays that are traced together at most.

@@ -247,7 +247,9 @@ impl<'a> Picture<'a> {
         match self.settings.caustics {
             Some(settings) if shows_light => {
                 let (frame, lights) = (self.surroundings.frame, &self.lights[..]);
-                let shooting = Shooting { frame, lights, bounds, settings, depth, batch_rays };
+                let conserves = self.surroundings.indirect;
+                let shooting =
+                    Shooting { frame, lights, bounds, settings, conserves, depth, batch_rays };
                 caustics.shoot(&mut **engine, &shooting, stats);
             }
             _ => caustics.clear(),

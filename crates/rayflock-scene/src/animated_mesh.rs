@@ -31,7 +31,8 @@ pub trait AnimatedMesh: Debug + Send + Sync {
     fn at(&self, time: f64) -> Result<SurfaceMesh, String>;
 
     /// The keys that the mesh at `time` lies between, where it does so: for those who interpolate
-    /// themselves what [`at`](Self::at) returns. The same two meshes for the whole span.
+    /// themselves what [`at`](Self::at) returns. The same two meshes for the whole span, with the
+    /// topology of what `at` returns; spans that have another one are not used.
     fn span_at(&self, _time: f64) -> Option<KeySpan> {
         None
     }

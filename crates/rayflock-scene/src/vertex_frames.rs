@@ -86,14 +86,16 @@ impl AnimatedMesh for VertexFrames {
 
     fn at(&self, time: f64) -> Result<SurfaceMesh, String> {
         Ok(match self.span_at(time) {
-            Some(KeySpan { before, after, share }) => blended(&before, &after, share),
-            None => self.key(key_at(&self.times, time)),
+            Some(KeySpan { before, after, share }) if share > 0.0 => {
+                blended(&before, &after, share)
+            }
+            _ => self.key(key_at(&self.times, time)),
         })
     }
 
     fn span_at(&self, time: f64) -> Option<KeySpan> {
         let (before, share) = span_at(&self.times, time);
-        (share > 0.0).then(|| {
+        (before + 1 < self.times.len()).then(|| {
             let [before, after] = [before, before + 1].map(|key_idx| self.key(key_idx));
             KeySpan { before, after, share }
         })

@@ -28,7 +28,7 @@ pub(crate) struct EngineChoice {
     /// icosahedron; 160 for so many directions; 10-a-tile; joined by +. The SETTING of embree is
     /// how it is used: low, medium or refit; kept, instances or merged; single or packets;
     /// coherent; robust; joined by +. gpu:compute@1 and gpu:compute@NAME say which graphics adapter
-    /// of those that `rayflock devices` lists.
+    /// of those that `rayflock info --devices` lists.
     #[arg(long, value_name = "NAME", default_value_t = EngineKind::Auto.into())]
     pub(crate) engine: EngineSpec,
 

@@ -1,9 +1,8 @@
-//! `rayflock devices`: the graphics adapters of this machine.
+//! `rayflock info --devices`: the graphics adapters of this machine.
 
 use anyhow::Result;
 use serde::Serialize;
 
-use crate::args::DevicesArguments;
 use crate::failure::{Blame, Failure};
 use crate::terminal;
 
@@ -23,8 +22,8 @@ struct DeviceReport {
 }
 
 /// Prints the adapters, as text or as one JSON array.
-pub(super) fn run(args: &DevicesArguments) -> Result<(), Failure> {
-    let text = report(args.json).blame_input()?;
+pub(super) fn run(as_json: bool) -> Result<(), Failure> {
+    let text = report(as_json).blame_input()?;
     terminal::answer(&text).blame_output()
 }
 

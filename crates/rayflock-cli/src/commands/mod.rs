@@ -23,7 +23,7 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Render(args) => args.threads,
         Command::Sun(args) => args.threads,
         Command::Sense(args) => args.threads,
-        Command::Convert(_) | Command::Info(_) | Command::Devices(_) => None,
+        Command::Convert(_) | Command::Info(_) => None,
         #[cfg(feature = "bench")]
         Command::Bench(args) => args.command.threads(),
     };
@@ -33,7 +33,7 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Sense(args) => args.trace.trace.as_deref(),
         #[cfg(feature = "bench")]
         Command::Bench(args) => args.command.trace(),
-        Command::Demo(_) | Command::Convert(_) | Command::Info(_) | Command::Devices(_) => None,
+        Command::Demo(_) | Command::Convert(_) | Command::Info(_) => None,
     };
     let pool = rayon::ThreadPoolBuilder::new()
         .thread_name(|idx| format!("worker {idx}"))
@@ -48,7 +48,6 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Sun(args) => sun::run(args),
         Command::Sense(args) => sense::run(args),
         Command::Info(args) => info::run(args),
-        Command::Devices(args) => devices::run(args),
         #[cfg(feature = "bench")]
         Command::Bench(args) => bench::run(args),
     };

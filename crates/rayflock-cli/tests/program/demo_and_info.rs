@@ -39,14 +39,19 @@ fn info_tells_people_and_programs_the_same() {
 fn graphics_adapters_are_listed_where_the_program_can_use_them() {
     let work = Workplace::new();
     if cfg!(feature = "gpu") {
-        let devices = work.run_quietly("devices --json").stdout;
+        let devices = work.run_quietly("info --devices --json").stdout;
         let devices: Value = serde_json::from_str(&devices).unwrap();
         let numbers = devices.as_array().unwrap().iter().map(|device| &device["number"]);
         assert!(numbers.enumerate().all(|(idx, number)| *number == idx));
     } else {
-        let run = work.run("devices");
+        let run = work.run("info --devices");
         assert_eq!(run.code, 2);
         assert!(run.stderr.contains("build one that can with --features gpu"), "{}", run.stderr);
+    }
+    for wrong in ["info", "info builtin:cornell --devices"] {
+        let run = work.run(wrong);
+        assert_eq!(run.code, 2, "{wrong}");
+        assert!(run.stderr.contains("--devices"), "{wrong}: {}", run.stderr);
     }
 }
 

@@ -58,8 +58,8 @@ fn no_photon() -> Photon {
 }
 
 fn arrive(ray: Ray, arriving: Path, hit: Hit) -> Arrived {
-    let has_turned = ray.unused != 0u;
-    let first_distance = select(max(bitcast<u32>(hit.t), 1u), ray.unused, has_turned);
+    let has_turned = ray.carried != 0u;
+    let first_distance = select(max(bitcast<u32>(hit.t), 1u), ray.carried, has_turned);
     let flux = flux_through(arriving.pixel, bitcast<f32>(first_distance));
     if (all(flux == vec3f(0.0)) || !is_finite(flux)) {
         return Arrived(no_photon(), NOT_TURNED, NOT_TURNED, 0u);
@@ -68,7 +68,10 @@ fn arrive(ray: Ray, arriving: Path, hit: Hit) -> Arrived {
     let point = surface_point(primitives[hit.rank], attributes[hit.rank], ray, hit);
     path.weight *= exp(-path.absorption * hit.t);
     let material = material_at(point.material);
-    let scattered = scatter(material, point, base_color(material, point), ray.direction);
+    var scattered = scatter(material, point, base_color(material, point), ray.direction);
+    if (frame.conserves != 0u) {
+        scattered = kept_of(scattered, conserved(scattered, material.specular, material.shininess));
+    }
     var photon = no_photon();
     if (has_turned && any(scattered.diffuse != vec3f(0.0))) {
         photon = Photon(point.shadow_position, 0u, path.weight * flux, 0u, point.normal, 0u,

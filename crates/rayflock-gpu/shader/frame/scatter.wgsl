@@ -83,6 +83,15 @@ fn conserved(scattered: Scatter, highlight: vec3f, shininess: f32) -> f32 {
     return select(1.0, 1.0 / most, most > 1.0);
 }
 
+// So much of what a surface makes of light, but for ambient light.
+fn kept_of(scattered: Scatter, kept: f32) -> Scatter {
+    var scaled = scattered;
+    scaled.diffuse *= kept;
+    scaled.mirror *= kept;
+    scaled.transmission *= kept;
+    return scaled;
+}
+
 // At most this times its strength a highlight sends back: the integral of the power of the halfway
 // cosine, and a whole hemisphere.
 fn highlight_albedo(shininess: f32) -> f32 {

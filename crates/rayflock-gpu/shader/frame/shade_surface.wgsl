@@ -54,9 +54,7 @@ fn shade_ray(ray: Ray, arriving: Path, hit: Hit) -> Shaded {
     var highlight = material.specular;
     if (frame.conserves != 0u) {
         let kept = conserved(scattered, highlight, material.shininess);
-        scattered.diffuse *= kept;
-        scattered.mirror *= kept;
-        scattered.transmission *= kept;
+        scattered = kept_of(scattered, kept);
         highlight *= kept;
     }
     let ambient = frame.ambient + frame.sky_share * sky_over_pi(point.normal);

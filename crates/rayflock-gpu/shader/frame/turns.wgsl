@@ -53,7 +53,7 @@ fn follow(turned: Turned, place: u32, carried: u32) {
     if (place < frame.slot_count) {
         let slot = frame.slot_count + place;
         rays[slot] = traced_ray(turned.origin, turned.direction, 0.0, LARGEST, place);
-        rays[slot].unused = carried;
+        rays[slot].carried = carried;
         paths[slot] = turned.path;
     }
 }

@@ -12,7 +12,8 @@ struct Ray {
     slot: u32,
     // Its direction among those of the engine of subfields, which writes it.
     cell: u32,
-    unused: u32,
+    // What a stage has the ray carry along: in waves from lights, the distance to the first hit.
+    carried: u32,
 }
 
 fn is_active(ray: Ray) -> bool {

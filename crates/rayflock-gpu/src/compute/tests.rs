@@ -1,8 +1,12 @@
 //! What only this engine has: buffers of pairs that overflow.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use rayflock_engine::{EngineKind, create};
-use rayflock_geom::{FrameChanges, Geometry, GeometryObject, HitBuffer, ObjectId, RayBatch};
+use rayflock_geom::{
+    FrameChanges, Geometry, GeometryObject, HitBuffer, ObjectId, RayBatch, Sphere,
+};
 use rayflock_testkit::Rng;
 use rayflock_testkit::scenes::{SoupKind, triangle_soup};
 
@@ -19,7 +23,7 @@ use crate::twins;
 /// Hits of a batch by an engine with so much room for pairs at most, and the tests it took.
 fn trace(
     context: &GpuContext,
-    (form, most): (Form, usize),
+    (form, most, question): (Form, usize, Question),
     geometry: &Geometry,
     batch: &RayBatch<'_>,
 ) -> (Vec<DeviceHit>, u64) {
@@ -31,8 +35,7 @@ fn trace(
     let (mut slots, mut run) = (Slots::default(), Run::default());
     slots.assign(batch);
     run.fill(batch, &slots, 0, &|_| f32::INFINITY);
-    let counts =
-        compute.trace(context, &mut clock, &primitives, &mut run, Question::Closest).unwrap();
+    let counts = compute.trace(context, &mut clock, &primitives, &mut run, question).unwrap();
     let mut hits = vec![DeviceHit::none_before(f32::INFINITY); batch.len()];
     for (place, ray_idx) in run.ray_places(&slots) {
         hits[ray_idx] = run.hits[place];
@@ -54,8 +57,9 @@ fn pairs_that_do_not_fit_are_never_dropped() {
     definition.closest_hit(&batch, &mut expected.as_hits());
     for context in contexts() {
         let form = Form::of(context);
-        let (grown, grown_tests) = trace(context, (form, 1 << 20), &geometry, &batch);
-        let (split, split_tests) = trace(context, (form, 8), &geometry, &batch);
+        let (grown, grown_tests) =
+            trace(context, (form, 1 << 20, Question::Closest), &geometry, &batch);
+        let (split, split_tests) = trace(context, (form, 8, Question::Closest), &geometry, &batch);
         assert_eq!(grown, split);
         assert!(split_tests != grown_tests, "nothing was split");
         let same = (0..2000).filter(|&idx| grown[idx].rank == expected.prim_id[idx]).count();
@@ -63,30 +67,50 @@ fn pairs_that_do_not_fit_are_never_dropped() {
     }
 }
 
-/// Rays that share everything and rays that share nothing, past triangles that are all there twice:
-/// of both the first is hit.
+/// Rays that share everything and rays that share nothing, past triangles and spheres that are all
+/// there twice, and others that no ray sees: of two alike the first is hit.
 #[test]
 fn both_forms_find_the_same_and_the_first_of_two_alike() {
     const COUNT: usize = 2500;
     let mut rng = Rng::new(53);
     let soup = triangle_soup(&mut rng, SoupKind::Plain, COUNT, Vec3::ZERO, 1.0);
-    let [first, second] = [0, 1].map(|id| GeometryObject::new(ObjectId(id), soup.clone()));
-    let geometry = Geometry::new(vec![first, second]).unwrap();
+    let spheres = (0..COUNT).map(|_| Sphere::new(rng.in_cube(), 0.05)).collect();
+    let mesh = Arc::new(soup.with_spheres(spheres));
+    let object = |id: u32| GeometryObject::new(ObjectId(id), Arc::clone(&mesh));
+    let unseen = triangle_soup(&mut rng, SoupKind::Plain, COUNT, Vec3::ZERO, 1.0);
+    let unseen = GeometryObject::new(ObjectId(2), unseen).with_mask(2);
+    let geometry = Geometry::new(vec![object(0), object(1), unseen]).unwrap();
     let directions: Vec<_> = (0..64 * 40).map(|idx| spread(&mut rng, idx / 64)).collect();
     let batch = RayBatch::new(Vec3::new(0.1, 0.2, -3.0), &directions).unwrap();
+    let batch = batch.with_mask(1).unwrap();
     for context in contexts() {
-        let forms = [Form::Narrow, Form::Wide];
-        let [narrow, wide] = forms.map(|form| trace(context, (form, 1 << 20), &geometry, &batch).0);
-        let hit_count = narrow.iter().filter(|hit| (hit.rank as usize) < COUNT).count();
-        assert!(hit_count > 500, "{hit_count} rays hit anything");
+        let find = |form: Form, question: Question| {
+            trace(context, (form, 1 << 20, question), &geometry, &batch).0
+        };
+        let [narrow, wide] = [Form::Narrow, Form::Wide].map(|form| find(form, Question::Closest));
+        let is_first = |hit: &&DeviceHit| (hit.rank as usize) < 2 * COUNT;
+        let hit_count = narrow.iter().filter(is_first).count();
+        let sphere_count =
+            narrow.iter().filter(is_first).filter(|hit| hit.rank as usize >= COUNT).count();
+        assert!(
+            sphere_count > 200 && hit_count > sphere_count + 200,
+            "{sphere_count} of {hit_count}"
+        );
         let same = |(a, b): (&DeviceHit, &DeviceHit)| {
             let numbers = |hit: &DeviceHit| [hit.t, hit.u, hit.v];
             a.rank == b.rank && (a.rank == NO_RANK || near(&numbers(a), &numbers(b)))
         };
         let same = narrow.iter().zip(&wide).filter(|&pair| same(pair)).count();
         assert!(same + 2 >= narrow.len(), "{same} of {}", narrow.len());
-        let is_second = |hit: &&DeviceHit| (COUNT..2 * COUNT).contains(&(hit.rank as usize));
-        assert_eq!(narrow.iter().chain(&wide).find(is_second), None);
+        let is_wrong = |hit: &&DeviceHit| hit.rank != NO_RANK && !is_first(hit);
+        assert_eq!(narrow.iter().chain(&wide).find(is_wrong), None);
+        for form in [Form::Narrow, Form::Wide] {
+            let found = find(form, Question::Occluded);
+            let differs =
+                |(a, b): &(&DeviceHit, &DeviceHit)| (a.rank == NO_RANK) != (b.rank == NO_RANK);
+            let differing = found.iter().zip(&narrow).filter(differs).count();
+            assert!(differing <= 2, "{form:?}: {differing}");
+        }
     }
 }
 

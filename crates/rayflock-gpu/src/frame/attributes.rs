@@ -23,7 +23,7 @@ use crate::primitives::PrimitiveStore;
 /// Primitives whose attributes a binding may hold.
 pub(super) const MOST_PRIMS: usize = (128 << 20) / size_of::<Attributes>();
 
-/// As in `frame/surface_point.wgsl`.
+/// As in `frame/attributes.wgsl`.
 pub(crate) const HAS_NORMALS: u32 = 1;
 pub(crate) const HAS_UVS: u32 = 2;
 pub(crate) const IS_MIRRORED: u32 = 4;
@@ -51,7 +51,7 @@ struct Written {
 
 impl Written {
     /// Whether the attributes are the same but for normals.
-    fn differs_in_normals(&self, other: &Self) -> bool {
+    fn is_same_but_normals(&self, other: &Self) -> bool {
         self.ranks == other.ranks
             && self.flags == other.flags
             && self.mesh.has_topology_of(&other.mesh)
@@ -106,7 +106,7 @@ impl AttributeStore {
             };
             let is_made = made.binary_search(&idx).is_ok();
             let is_there = self.written.get(idx).is_some_and(|before| match is_made {
-                true => before.differs_in_normals(&written),
+                true => before.is_same_but_normals(&written),
                 false => before.is_same(&written),
             });
             if !is_there {

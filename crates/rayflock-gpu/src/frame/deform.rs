@@ -2,8 +2,8 @@
 //!
 //! ```text
 //!   once:        meshes, keys, morph targets, skins --> sources
-//!   each frame:  weights, joints, shares, places ----> pose
-//!                sources, pose --[deform_vertices]--> vertices
+//!   each frame:  shares, places --> objects;  weights, joints --> pose
+//!                sources, objects, pose --[deform_vertices]--> vertices
 //!                              --[write_triangles]--> primitives, normals of attributes
 //! ```
 //!
@@ -111,10 +111,10 @@ impl Deformer {
         primitives: &PrimitiveStore,
         attributes: &Buffer,
     ) {
-        let Some(part) = primitives.parts().next() else { return };
-        let first_ranks: Vec<usize> = primitives.ranks().map(|ranks| ranks.start).collect();
         self.objects.clear();
         self.pose.clear();
+        let Some(part) = primitives.parts().next() else { return };
+        let first_ranks: Vec<usize> = primitives.ranks().map(|ranks| ranks.start).collect();
         for &object_idx in wanted {
             self.pose_object(frame, object_idx, first_ranks[object_idx]);
         }
@@ -198,15 +198,14 @@ fn source_of(frame: &SceneFrame, object: &GeometryObject) -> Option<Source> {
     match deformation(frame, object) {
         Deformation::Between(span) => {
             let [base, next] = [&span.before, &span.after].map(Key::new);
-            let is_alike = base.normals.len() == next.normals.len();
-            is_alike.then_some(Source { base, next: Some(next), targets: None, skin: None })
+            let source = Source { base, next: Some(next), targets: None, skin: None };
+            source.makes(mesh).then_some(source)
         }
-        Deformation::Bent(Bend { rest, targets, skin, .. }) => Some(Source {
-            base: Key::new(rest),
-            next: None,
-            targets: Some(targets.clone()),
-            skin: skin.clone(),
-        }),
+        Deformation::Bent(Bend { rest, targets, skin, .. }) => {
+            let (base, targets) = (Key::new(rest), Some(targets.clone()));
+            let source = Source { base, next: None, targets, skin: skin.clone() };
+            source.makes(mesh).then_some(source)
+        }
         _ => {
             let moves = frame.changes.get(object.id) == ObjectChange::Transformed;
             moves.then(|| Source::rigid(&frame.surfaces[object.id.0 as usize]))

@@ -96,6 +96,11 @@ impl<'a> Picture<'a> {
         (rows - rows % TILE).max(TILE)
     }
 
+    /// `conserves` of the parameters of a wave.
+    pub(super) fn conserves(&self) -> u32 {
+        u32::from(self.lights.conserves)
+    }
+
     /// What a sample of a band begins with.
     pub(super) fn params(&self, band: &Band, sample_idx: u32) -> FrameParams {
         let [zenith, horizon, ground] = match self.lights.background {
@@ -109,7 +114,7 @@ impl<'a> Picture<'a> {
             horizon,
             ground,
             ambient: self.lights.ambient.to_array(),
-            conserves: u32::from(self.lights.conserves),
+            conserves: self.conserves(),
             subpixel: sample_place(sample_idx).to_array(),
             ..lens_params(&Lens::new(self.view, band.width, band.height), band)
         }

@@ -10,9 +10,9 @@ use rayflock_render::{FrameStats, Indirect};
 use rayflock_scene::SceneFrame;
 use wgpu::{Buffer, BufferUsages};
 
-use super::cannot;
 use super::gather_lights::BLOCK_SPHERES;
 use super::picture::Picture;
+use super::refusal::cannot;
 use crate::GpuContext;
 use crate::buffer::GrowingBuffer;
 use crate::layout::virtual_lights::{

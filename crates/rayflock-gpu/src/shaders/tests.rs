@@ -105,7 +105,7 @@ macro_rules! assert_mirrors {
 #[test]
 fn host_and_device_agree_about_every_byte() {
     assert_mirrors!("Primitive", DevicePrimitive, a, mask, b, kind, c, rank);
-    assert_mirrors!("Ray", DeviceRay, origin, t_min, direction, t_max, mask, slot, cell, unused);
+    assert_mirrors!("Ray", DeviceRay, origin, t_min, direction, t_max, mask, slot, cell, carried);
     assert_mirrors!("Hit", DeviceHit, t, u, v, rank);
     assert_mirrors!("Cone", Cone, center, radius, axis, sin);
     assert_mirrors!("Params", Params, tile_count, block_count, pair_capacity, question);

@@ -42,8 +42,9 @@ impl LightView {
                 let point = through(film);
                 let direction = point.normalize_or(Vec3::NEG_Z);
                 let solid_angle = across(film, point) / point.length_squared().powf(1.5);
-                // A surface at distance 1 gets as irradiance what the light sends as intensity.
-                let intensity = incident(light, *origin + direction);
+                // A surface at distance 1 gets as irradiance what the light sends as intensity;
+                // around 0, since places far away are too coarse for that.
+                let intensity = incident(&at_origin(light), direction);
                 let intensity = intensity.map_or(Vec3::ZERO, |incident| incident.irradiance);
                 (*origin, direction, intensity * solid_angle)
             }
@@ -56,6 +57,18 @@ impl LightView {
             }
         }
     }
+}
+
+/// The light as if it were at 0.
+fn at_origin(light: &LightKind) -> LightKind {
+    let mut light = *light;
+    match &mut light {
+        LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
+            *position = Vec3::ZERO;
+        }
+        LightKind::Directional { .. } => {}
+    }
+    light
 }
 
 /// The area of a texel as seen along `direction`, times its length.

@@ -44,6 +44,7 @@ struct Run {
 #[derive(Clone, Copy, Debug)]
 struct Rows<'a> {
     frame: &'a FrameShading,
+    conserves: bool,
     depth: u32,
     /// The texel that the first of the fluxes belongs to.
     first_texel: u32,
@@ -67,7 +68,8 @@ pub(super) fn shoot(
                 let rows = first_row..view.edge.min(first_row + rows_at_once);
                 buffers.start(light, &view, rows);
                 let first_texel = first_row * view.edge;
-                let rows = Rows { frame: shooting.frame, depth: shooting.depth, first_texel };
+                let Shooting { frame, conserves, depth, .. } = *shooting;
+                let rows = Rows { frame, conserves, depth, first_texel };
                 let grows = matches!(light, LightKind::Point { falloff: Falloff::Constant, .. });
                 buffers.follow(engine, &rows, (shooting.batch_rays, grows), photons, stats);
             }
@@ -201,7 +203,10 @@ impl Run {
         path.weight *= (-path.absorption * hit.t).exp();
         let material = frame.material(point.material);
         let base = frame.base_color(&point);
-        let scatter = scatter(material, &point, base, ray.direction);
+        let mut scatter = scatter(material, &point, base, ray.direction);
+        if rows.conserves {
+            scatter.conserve(&mut material.specular.clone(), material.shininess);
+        }
         if bounce > 0 && scatter.diffuse != Vec3::ZERO {
             self.photons.push(Photon {
                 position: point.shadow_position,

@@ -95,7 +95,8 @@ fn shoot_with(
     let bounds = frame.geometry.bounds();
     let (lights, frame) = ([light], &shading);
     let (bounds, depth) = (&bounds, 12);
-    let shooting = Shooting { frame, lights: &lights, bounds, settings, depth, batch_rays };
+    let shooting =
+        Shooting { frame, lights: &lights, bounds, settings, conserves: false, depth, batch_rays };
     let mut shot = Shot { caustics: Caustics::default(), stats: FrameStats::default() };
     shot.caustics.shoot(&mut *engine, &shooting, &mut shot.stats);
     shot

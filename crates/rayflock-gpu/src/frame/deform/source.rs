@@ -71,6 +71,23 @@ impl Source {
         Self { base: Key::new(surface), next: None, targets: None, skin: None }
     }
 
+    /// Whether what is made from this has the triangles and as many vertices as `mesh`, and all
+    /// parts fit together: whoever says how a mesh came about may be wrong.
+    pub(super) fn makes(&self, mesh: &Mesh) -> bool {
+        let count = mesh.vertices().len();
+        let fits = |key: &Key| {
+            key.mesh.has_topology_of(mesh)
+                && key.mesh.vertices().len() == count
+                && key.normals.len() == self.base.normals.len()
+                && (key.normals.is_empty() || key.normals.len() == count)
+        };
+        let fills = |column: &[Vec3]| column.is_empty() || column.len() == count;
+        fits(&self.base)
+            && self.next.as_ref().is_none_or(fits)
+            && self.targets().iter().all(|t| fills(&t.positions) && fills(&t.normals))
+            && self.skin.as_ref().is_none_or(|skin| skin.influences.len() == count)
+    }
+
     pub(super) fn vertex_count(&self) -> usize {
         self.base.mesh.vertices().len()
     }

@@ -6,9 +6,9 @@ use glam::{Affine3A, Quat, Vec3};
 use rayflock_geom::{FrameChanges, Mesh, Sphere};
 use rayflock_render::FrameRenderer;
 use rayflock_scene::{
-    Channel, ChannelValues, Clip, Evaluator, Interpolation, LocalTransform, Material, MaterialIdx,
-    MorphTarget, Node, NodeIdx, Scene, SceneFrame, SceneObject, Shape, Skin, SurfaceMesh,
-    VertexFrames, VertexInfluences, VertexKey, builtin,
+    Channel, ChannelValues, Clip, Deformation, Evaluator, Interpolation, LocalTransform, Material,
+    MaterialIdx, MorphTarget, Node, NodeIdx, Scene, SceneFrame, SceneObject, Shape, Skin,
+    SurfaceMesh, VertexFrames, VertexInfluences, VertexKey, builtin,
 };
 
 use crate::GpuContext;
@@ -211,6 +211,25 @@ fn a_span_takes_over_the_key_that_ended_the_one_before() {
         let sent = sent(context, &scene, [2.5, 2.6, 3.5, 4.5, 3.6, 3.7]);
         let keys = sent.map(|bytes| (bytes - sent[1]) / key_bytes);
         assert_eq!(keys[1..], [0, 1, 1, 1, 0], "{sent:?}");
+    }
+}
+
+/// Whoever says how a mesh came about may be wrong: that of another object, or of too many vertices.
+#[test]
+fn what_a_mesh_cannot_have_come_from_is_not_used() {
+    let scene = Arc::new(every_kind());
+    for context in contexts() {
+        let mut evaluator = Evaluator::new(Arc::clone(&scene), None).unwrap();
+        let mut renderer = GpuRenderer::new(context).unwrap();
+        for time in [0.2, 0.3] {
+            let mut frame = evaluator.evaluate(time).unwrap().clone();
+            frame.deformations.swap(3, 4);
+            if let Deformation::Between(span) = &mut frame.deformations[5] {
+                span.after = surface(66, true);
+            }
+            renderer.commit(&scene, &frame).unwrap();
+            assert_as_written(&renderer, &frame);
+        }
     }
 }
 

@@ -117,8 +117,7 @@ impl DeviceFrame {
                 let rows = first_row..edge.min(first_row + rows_at_once);
                 let band = Band { rows, width: edge, height: edge };
                 let slot_count = spread * band.slot_count();
-                let depth = picture.settings.depth;
-                match self.leave_rows(context, (light, view), &band, slot_count, depth)? {
+                match self.leave_rows(context, picture, (light, view), &band, slot_count)? {
                     Ok(of_rows) => stats += of_rows,
                     Err(short) => return Ok(Err(short)),
                 }
@@ -149,12 +148,12 @@ impl DeviceFrame {
     fn leave_rows(
         &mut self,
         context: &GpuContext,
+        picture: &Picture<'_>,
         (light, view): (&LightKind, &LightView),
         band: &Band,
         slot_count: usize,
-        depth: u32,
     ) -> Result<Result<TraceStats, Short>, GpuError> {
-        let start = Instant::now();
+        let (start, depth) = (Instant::now(), picture.settings.depth);
         self.buffers.reserve(context, slot_count, band.pixel_count());
         self.buffers.light.write(context, &[device_light(light)]);
         self.log.begin(context, depth as usize + 1);
@@ -162,6 +161,7 @@ impl DeviceFrame {
             let params = FrameParams {
                 first_texture: self.scene.first_texture() as u32,
                 goes_on: u32::from(bounce < depth),
+                conserves: picture.conserves(),
                 ..wave_params(&view.lens, band, slot_count as u32)
             };
             self.buffers.params.write(context, &[params]);
