@@ -80,18 +80,20 @@ pub(crate) const REFINE: Shader =
     shader!("compute/refine", "shared/cone", "compute/params", "compute/append");
 pub(crate) const PLAN_LISTS: Shader = shader!("compute/plan_lists", "compute/params");
 pub(crate) const FILL_LISTS: Shader = shader!("compute/fill_lists", "compute/params");
-/// A stage of which there is one form for cards and one for processors that stand in for them.
-macro_rules! two_forms {
+/// A stage of which there are forms for processors and for cards, without and with subgroups.
+macro_rules! four_forms {
     ($name:literal $(, $shared:literal)*) => {
         [
-            shader!($name $(, $shared)*, "compute/narrow"),
-            shader!($name $(, $shared)*, "compute/wide")
+            shader!($name $(, $shared)*, "compute/narrow", "compute/reduce_alone"),
+            shader!($name $(, $shared)*, "compute/wide", "compute/reduce_alone"),
+            shader!($name $(, $shared)*, "compute/narrow", "compute/reduce_subgroups"),
+            shader!($name $(, $shared)*, "compute/wide", "compute/reduce_subgroups")
         ]
     };
 }
 
-/// The narrow form, then the wide one.
-pub(crate) const TRACE_TILE: [Shader; 2] = two_forms!(
+/// By [`Form::idx`](crate::compute::Form::idx).
+pub(crate) const TRACE_TILE: [Shader; 4] = four_forms!(
     "compute/trace_tile",
     "shared/primitive",
     "shared/ray",
@@ -291,6 +293,8 @@ pub(crate) const ALL: &[Shader] = &[
     FILL_LISTS,
     TRACE_TILE[0],
     TRACE_TILE[1],
+    TRACE_TILE[2],
+    TRACE_TILE[3],
     MARK_DIRECTIONS,
     OPEN_SUBFIELDS,
     WRITE_TILES,

@@ -36,8 +36,7 @@ fn meet_chunks(tracer: ptr<function, Tracer>, cone: Cone, chunk_count: u32, lane
             atomicStore(&touch_count, 0u);
         }
         workgroupBarrier();
-        atomicOr(&touched[(*tracer).slice], own);
-        atomicAdd(&touch_count, countOneBits(own));
+        note_touches((*tracer).slice, own);
         workgroupBarrier();
         if (lane == 0u) {
             shared_count = atomicLoad(&touch_count);

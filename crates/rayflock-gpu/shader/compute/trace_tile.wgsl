@@ -108,11 +108,12 @@ fn bounds_of_round(tracer: ptr<function, Tracer>, round: u32, round_count: u32,
         atomicStore(&farthest_hit, 0u);
     }
     workgroupBarrier();
+    // 0 stands for no active ray.
+    var reach = 0u;
     if (lane < TILE_RAYS && is_open(tracer)) {
-        let reach = max(end_of(tracer), 0.0) * (1.0 + CONE_SLACK);
-        // More than 0, which stands for no active ray.
-        atomicMax(&farthest_hit, bitcast<u32>(reach) + 1u);
+        reach = bitcast<u32>(max(end_of(tracer), 0.0) * (1.0 + CONE_SLACK)) + 1u;
     }
+    note_reach(reach);
     workgroupBarrier();
     if (lane == 0u) {
         let low = bitcast<f32>(atomicLoad(&nearest_chunk));
@@ -121,8 +122,8 @@ fn bounds_of_round(tracer: ptr<function, Tracer>, round: u32, round_count: u32,
         let begin = select(low + step * f32(round), 0.0, round == 0u);
         let is_last = round + 1u == round_count;
         let end = select(low + step * f32(round + 1u), 2.0 * FARTHEST, is_last);
-        let reach = atomicLoad(&farthest_hit);
-        shared_bounds = vec3f(begin, end, select(bitcast<f32>(reach), -1.0, reach == 0u));
+        let farthest = atomicLoad(&farthest_hit);
+        shared_bounds = vec3f(begin, end, select(bitcast<f32>(farthest), -1.0, farthest == 0u));
     }
     return workgroupUniformLoad(&shared_bounds);
 }
@@ -164,9 +165,7 @@ fn meet_kept_chunks(tracer: ptr<function, Tracer>, cone: Cone, most: u32, lane: 
 
 // Adds the tests of the tile to those of all.
 fn count_tests(tests: vec3u, asked_blocks: u32, lane: u32) {
-    for (var kind = 0u; kind < 3u; kind++) {
-        atomicAdd(&test_sums[kind], tests[kind]);
-    }
+    note_tests(tests);
     workgroupBarrier();
     if (lane == 0u) {
         atomicAdd(&counters.cone_tests, asked_blocks);

@@ -96,9 +96,7 @@ fn count_test(tracer: ptr<function, Tracer>, prim: Primitive) {
 // hit, of rank NO_RANK for none, and no two the same.
 fn settle(ray_idx: u32, found: Hit, lane: u32) {
     let is_found = found.rank != NO_RANK;
-    if (is_found) {
-        atomicAdd(&found_count, 1u);
-    }
+    note_found(is_found);
     workgroupBarrier();
     if (lane == 0u) {
         shared_count = atomicExchange(&found_count, 0u);

@@ -70,7 +70,7 @@ fn pairs_that_do_not_fit_are_never_dropped() {
 /// Rays that share everything and rays that share nothing, past triangles and spheres that are all
 /// there twice, and others that no ray sees: of two alike the first is hit.
 #[test]
-fn both_forms_find_the_same_and_the_first_of_two_alike() {
+fn all_forms_find_the_same_and_the_first_of_two_alike() {
     const COUNT: usize = 2500;
     let mut rng = Rng::new(53);
     let soup = triangle_soup(&mut rng, SoupKind::Plain, COUNT, Vec3::ZERO, 1.0);
@@ -80,36 +80,39 @@ fn both_forms_find_the_same_and_the_first_of_two_alike() {
     let unseen = triangle_soup(&mut rng, SoupKind::Plain, COUNT, Vec3::ZERO, 1.0);
     let unseen = GeometryObject::new(ObjectId(2), unseen).with_mask(2);
     let geometry = Geometry::new(vec![object(0), object(1), unseen]).unwrap();
-    let directions: Vec<_> = (0..64 * 40).map(|idx| spread(&mut rng, idx / 64)).collect();
+    let directions: Vec<_> = (0..64 * 20).map(|idx| spread(&mut rng, idx / 64)).collect();
     let batch = RayBatch::new(Vec3::new(0.1, 0.2, -3.0), &directions).unwrap();
     let batch = batch.with_mask(1).unwrap();
     for context in contexts() {
         let find = |form: Form, question: Question| {
             trace(context, (form, 1 << 20, question), &geometry, &batch).0
         };
-        let [narrow, wide] = [Form::Narrow, Form::Wide].map(|form| find(form, Question::Closest));
+        let forms = Form::all(context);
+        let expected = find(forms[0], Question::Closest);
         let is_first = |hit: &&DeviceHit| (hit.rank as usize) < 2 * COUNT;
-        let hit_count = narrow.iter().filter(is_first).count();
-        let sphere_count =
-            narrow.iter().filter(is_first).filter(|hit| hit.rank as usize >= COUNT).count();
+        let is_sphere = |hit: &&DeviceHit| is_first(hit) && hit.rank as usize >= COUNT;
+        let [hit_count, sphere_count] =
+            [expected.iter().filter(is_first).count(), expected.iter().filter(is_sphere).count()];
         assert!(
-            sphere_count > 200 && hit_count > sphere_count + 200,
-            "{sphere_count} of {hit_count}"
+            sphere_count > 100 && hit_count > sphere_count + 100,
+            "{sphere_count}, {hit_count}"
         );
-        let same = |(a, b): (&DeviceHit, &DeviceHit)| {
+        for form in forms {
+            let found = find(form, Question::Closest);
             let numbers = |hit: &DeviceHit| [hit.t, hit.u, hit.v];
-            a.rank == b.rank && (a.rank == NO_RANK || near(&numbers(a), &numbers(b)))
-        };
-        let same = narrow.iter().zip(&wide).filter(|&pair| same(pair)).count();
-        assert!(same + 2 >= narrow.len(), "{same} of {}", narrow.len());
-        let is_wrong = |hit: &&DeviceHit| hit.rank != NO_RANK && !is_first(hit);
-        assert_eq!(narrow.iter().chain(&wide).find(is_wrong), None);
-        for form in [Form::Narrow, Form::Wide] {
-            let found = find(form, Question::Occluded);
+            let differs = |(a, b): &(&DeviceHit, &DeviceHit)| {
+                a.rank != b.rank || (a.rank != NO_RANK && !near(&numbers(a), &numbers(b)))
+            };
+            let differing = found.iter().zip(&expected).filter(differs).count();
+            assert!(differing <= 2, "{form:?}: {differing}");
+            let is_wrong = |hit: &&DeviceHit| hit.rank != NO_RANK && !is_first(hit);
+            assert_eq!(found.iter().find(is_wrong), None, "{form:?}");
+            let any = find(form, Question::Occluded);
             let differs =
                 |(a, b): &(&DeviceHit, &DeviceHit)| (a.rank == NO_RANK) != (b.rank == NO_RANK);
-            let differing = found.iter().zip(&narrow).filter(differs).count();
+            let differing = any.iter().zip(&expected).filter(differs).count();
             assert!(differing <= 2, "{form:?}: {differing}");
+            println!("{form:?} on {}", context.adapter());
         }
     }
 }

@@ -19,8 +19,9 @@
 //! **Departures** from the renderer of the CPU: sums in `f32`, in any order; texels that carry
 //! nothing have a ray, which is not followed.
 //!
-//! **Invariants.** Photons, rays and pairs for which there is no room are counted, and read once
-//! for some rows of a light's view; then all photons are left anew with more room, or in fewer rows at once.
+//! **Invariants.** Photons, rays and pairs for which there is no room are counted, and read once for
+//! some rows of a light's view; then all photons are left anew with more room, or in fewer rows at
+//! once.
 //!
 //! **Cost.** A wait for each view and as many texels as a wave may hold, and one for the count;
 //! 140 bytes a photon.
