@@ -6,14 +6,17 @@ use rayflock_engine::TraceStats;
 use wgpu::BindingResource;
 
 use super::DeviceFrame;
-use super::buffers::{FOLLOWED, MIRRORED, SHADOW};
+use super::attributes::AttributeStore;
+use super::buffers::{FOLLOWED, FrameBuffers, MIRRORED, SHADOW};
 use super::gather_lights::{GatherSums, SUM_BYTES};
 use super::picture::{Band, BandStats, Picture, Rendered};
+use super::scene_data::SceneData;
 use super::trace_log::{Asked, Logged, Traced};
 use crate::compute::{Room, Wave};
 use crate::layout::{DeviceLight, FrameParams};
 use crate::method::Question;
 use crate::pass::{Groups, StageEncoder};
+use crate::primitives::PrimitiveStore;
 use crate::slots::{RUN_SLOTS, TILE_RAYS};
 use crate::{GpuContext, GpuError};
 
@@ -161,20 +164,11 @@ impl DeviceFrame {
     /// Turns hits into light, lit points and the next wave.
     fn shade(&mut self, context: &GpuContext, params: &FrameParams) {
         let b = &self.buffers;
-        let attributes = self.attributes.buffer();
-        // Where there are no primitives none is looked up.
-        let primitives = self.primitives.parts().next().map_or(attributes, |part| part.buffer);
-        let resources = [
-            whole(b.rays.buffer()),
-            whole(b.paths.buffer()),
-            whole(b.hits.buffer()),
-            whole(primitives),
-            whole(attributes),
-            whole(self.scene.entries()),
-            whole(b.points.buffer()),
-            b.counts(),
-            b.params(),
-        ];
+        let [rays, paths, hits, primitives, attributes, scene] =
+            surfaces(b, &self.primitives, &self.attributes, &self.scene);
+        let points = whole(b.points.buffer());
+        let resources =
+            [rays, paths, hits, primitives, attributes, scene, points, b.counts(), b.params()];
         let mut encoder = StageEncoder::new(context, &mut self.clock);
         encoder.encoder.clear_buffer(b.counts.buffer(), 0, None);
         encoder.stage(&self.stages.shade_surface, &resources, tiles(params));
@@ -249,6 +243,22 @@ impl DeviceFrame {
         })?;
         Ok(gathered)
     }
+}
+
+/// What a stage looks up that turns hits into anything: rays, paths and hits of the wave,
+/// primitives, attributes, and materials with textures.
+pub(super) fn surfaces<'a>(
+    buffers: &'a FrameBuffers,
+    primitives: &'a PrimitiveStore,
+    attributes: &'a AttributeStore,
+    scene: &'a SceneData,
+) -> [BindingResource<'a>; 6] {
+    let attributes = attributes.buffer();
+    // Where there are no primitives none is looked up.
+    let primitives = primitives.parts().next().map_or(attributes, |part| part.buffer);
+    let FrameBuffers { rays, paths, hits, .. } = buffers;
+    let [rays, paths, hits] = [rays, paths, hits].map(|buffer| whole(buffer.buffer()));
+    [rays, paths, hits, whole(primitives), whole(attributes), whole(scene.entries())]
 }
 
 pub(super) fn whole(buffer: &wgpu::Buffer) -> BindingResource<'_> {

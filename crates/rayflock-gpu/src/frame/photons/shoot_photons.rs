@@ -14,7 +14,7 @@ use crate::compute::Room;
 use crate::frame::DeviceFrame;
 use crate::frame::buffers::FOLLOWED;
 use crate::frame::picture::{Band, Picture, device_light, lens_params};
-use crate::frame::render_band::{tiles, trace_stats, whole};
+use crate::frame::render_band::{surfaces, tiles, trace_stats};
 use crate::frame::trace_log::{Logged, Traced};
 use crate::layout::{FrameParams, PHOTONS_OFFSET};
 use crate::pass::StageEncoder;
@@ -187,20 +187,12 @@ impl DeviceFrame {
     /// Turns hits into photons and the next wave.
     fn leave_wave(&mut self, context: &GpuContext, params: &FrameParams) {
         let (b, photons) = (&self.buffers, &self.photons);
-        let attributes = self.attributes.buffer();
-        let primitives = self.primitives.parts().next().map_or(attributes, |part| part.buffer);
-        let resources = [
-            whole(b.rays.buffer()),
-            whole(b.paths.buffer()),
-            whole(b.hits.buffer()),
-            whole(primitives),
-            whole(attributes),
-            whole(self.scene.entries()),
-            part_of(photons.store.buffer(), store_bytes(photons.capacity)),
-            b.counts(),
-            b.params(),
-            b.light(),
-        ];
+        let [rays, paths, hits, primitives, attributes, scene] =
+            surfaces(b, &self.primitives, &self.attributes, &self.scene);
+        let store = part_of(photons.store.buffer(), store_bytes(photons.capacity));
+        let (counts, light) = (b.counts(), b.light());
+        let resources =
+            [rays, paths, hits, primitives, attributes, scene, store, counts, b.params(), light];
         let mut encoder = StageEncoder::new(context, &mut self.clock);
         encoder.encoder.clear_buffer(b.counts.buffer(), 0, None);
         encoder.stage(&photons.leave_photons, &resources, tiles(params));
