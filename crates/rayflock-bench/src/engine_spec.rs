@@ -13,9 +13,10 @@ use crate::peer::obvhs::ObvhsEngine;
 const EMBREE: &str = "embree";
 const BEST: &str = "best";
 const OBVHS: &str = "obvhs";
+const FLOOR: &str = "floor";
 
 /// An engine as it is asked for: `hierarchy`, `subfields:eager+list`, `embree`,
-/// `embree:low+instances+packets`, `embree:best`, `obvhs`, `gpu:compute`, `gpu:raster@1`.
+/// `embree:low+instances+packets`, `embree:best`, `obvhs`, `floor`, `gpu:compute`, `gpu:raster@1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EngineSpec {
     /// One of ours.
@@ -26,6 +27,8 @@ pub enum EngineSpec {
     EmbreeBest,
     /// The library obvhs.
     Obvhs,
+    /// What every engine takes at least, and no answers.
+    Floor,
 }
 
 impl EngineSpec {
@@ -33,8 +36,8 @@ impl EngineSpec {
     /// looked for.
     ///
     /// # Errors
-    /// [`PeerError`] when Embree or the adapter cannot be had, and for [`Self::EmbreeBest`], which is no engine
-    /// but a contest.
+    /// [`PeerError`] when Embree or the adapter cannot be had, and for [`Self::EmbreeBest`] and
+    /// [`Self::Floor`], which are no engines but a contest and a bound.
     pub fn create(&self, library: Option<&EmbreeLibrary>) -> Result<Box<dyn RayEngine>, PeerError> {
         match *self {
             Self::Own(engine) => Ok(engine.create()?),
@@ -44,6 +47,7 @@ impl EngineSpec {
             }
             Self::EmbreeBest => Err(PeerError::BestOutsideBenchmark),
             Self::Obvhs => Ok(Box::new(ObvhsEngine::new())),
+            Self::Floor => Err(PeerError::FloorOutsideBenchmark),
         }
     }
 
@@ -76,6 +80,7 @@ impl fmt::Display for EngineSpec {
             Self::Embree(setting) => write!(f, "{EMBREE}:{setting}"),
             Self::EmbreeBest => write!(f, "{EMBREE}:{BEST}"),
             Self::Obvhs => f.write_str(OBVHS),
+            Self::Floor => f.write_str(FLOOR),
         }
     }
 }
@@ -87,6 +92,7 @@ impl FromStr for EngineSpec {
         match text.split_once(':') {
             None if text == EMBREE => Ok(Self::Embree(Setting::default())),
             None if text == OBVHS => Ok(Self::Obvhs),
+            None if text == FLOOR => Ok(Self::Floor),
             Some((EMBREE, BEST)) => Ok(Self::EmbreeBest),
             Some((EMBREE, setting)) => setting.parse().map(Self::Embree),
             _ => match text.parse() {
@@ -111,7 +117,7 @@ mod tests {
         let own = EngineKind::ALL.map(EngineSpec::from);
         let embree = Setting::all().into_iter().map(EngineSpec::Embree);
         let subfields = parse("subfields:eager+list+40").unwrap();
-        let others = [subfields, EngineSpec::EmbreeBest, EngineSpec::Obvhs];
+        let others = [subfields, EngineSpec::EmbreeBest, EngineSpec::Obvhs, EngineSpec::Floor];
         for spec in own.into_iter().chain(embree).chain(others) {
             assert_eq!(parse(&spec.to_string()), Ok(spec));
         }
@@ -130,9 +136,10 @@ mod tests {
     }
 
     #[test]
-    fn the_best_setting_is_no_engine() {
-        let error = EngineSpec::EmbreeBest.create(None).unwrap_err();
-        assert_eq!(error, PeerError::BestOutsideBenchmark);
+    fn the_best_setting_and_the_floor_are_no_engines() {
+        let error = |spec: EngineSpec| spec.create(None).unwrap_err();
+        assert_eq!(error(EngineSpec::EmbreeBest), PeerError::BestOutsideBenchmark);
+        assert_eq!(error(EngineSpec::Floor), PeerError::FloorOutsideBenchmark);
         assert!(EngineSpec::EmbreeBest.needs_embree() && !EngineSpec::Obvhs.needs_embree());
     }
 }

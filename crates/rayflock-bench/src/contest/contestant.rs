@@ -22,6 +22,8 @@ pub(super) struct Contestant {
     pub(super) setting: String,
     /// Whether it is one of ours, which all agree to the bit.
     pub(super) is_own: bool,
+    /// Whether what it answers is meant.
+    pub(super) is_answering: bool,
     engine: Box<dyn RayEngine>,
     held: Held,
     /// Why it does not take part in the current cell.
@@ -70,11 +72,17 @@ impl Contestant {
             name: name.to_owned(),
             setting: setting.to_owned(),
             is_own,
+            is_answering: true,
             engine,
             held: Held::new(meter),
             skipped: None,
             phases: Vec::new(),
         }
+    }
+
+    /// The same, measured without a look at its answers.
+    pub(super) fn unanswering(self) -> Self {
+        Self { is_answering: false, ..self }
     }
 
     /// Forgets the last cell; the engine keeps what it holds.

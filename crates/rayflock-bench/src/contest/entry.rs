@@ -7,6 +7,7 @@ use super::piece::Piece;
 use super::screen::screen;
 use super::summarize::{skipped, summarize};
 use crate::peer::embree::{EmbreeEngine, EmbreeLibrary, Setting};
+use crate::peer::floor::FloorEngine;
 use crate::record::Cell;
 use crate::{BenchError, EngineSpec};
 
@@ -33,6 +34,11 @@ impl Entry {
         let setting = match spec {
             EngineSpec::Embree(setting) => setting.to_string(),
             EngineSpec::EmbreeBest => return Ok(Self::with(spec, Vec::new(), meter)),
+            EngineSpec::Floor => {
+                let floor = Box::new(FloorEngine::default());
+                let floor = Contestant::new(&spec.to_string(), "", false, floor, meter);
+                return Ok(Self::with(spec, vec![floor.unanswering()], meter));
+            }
             _ => String::new(),
         };
         let engine = spec.create(library)?;

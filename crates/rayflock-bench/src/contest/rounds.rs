@@ -163,7 +163,7 @@ impl Expected {
         frame: &PieceFrame,
         answers: &Answers,
     ) -> Comparison {
-        if !contestant.is_in() {
+        if !contestant.is_in() || !contestant.is_answering {
             return Comparison::default();
         }
         let own = if contestant.is_own { self.first_own.as_ref() } else { None };

@@ -55,6 +55,23 @@ fn against(kind: RayKind, tamper: Tamper, is_own: bool) -> [Cell; 2] {
 }
 
 #[test]
+fn what_answers_nothing_is_compared_with_nothing() {
+    let piece = piece(RayKind::Primary, 64);
+    let mut cells = Vec::new();
+    for is_answering in [true, false] {
+        let log = Log::default();
+        let first = fake("first", false, Tamper::Misses, &log);
+        let first = if is_answering { first } else { first.unanswering() };
+        let other = fake("other", true, Tamper::Nothing, &log);
+        cells.push(measure(&mut contest(vec![first, other]), &piece));
+    }
+    let mismatches = |cells: &[Cell]| cells.iter().map(|cell| cell.mismatches).sum::<u64>();
+    assert!(mismatches(&cells[0]) > 0, "the first one is what others are compared with");
+    assert_eq!(mismatches(&cells[1]), 0);
+    assert!(cells[1].iter().all(|cell| cell.total_ms.is_some()), "both are measured");
+}
+
+#[test]
 fn engines_take_turns_and_every_commit_is_news() {
     let log = Log::default();
     let engines = ["a", "b"].map(|name| fake(name, true, Tamper::Nothing, &log));

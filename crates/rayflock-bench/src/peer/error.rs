@@ -13,7 +13,7 @@ pub enum PeerError {
     /// The text names no engine.
     #[error(
         "unknown engine \"{0}\"; there are: {own}, subfields:SETTING, embree, embree:SETTING, \
-         embree:best, obvhs",
+         embree:best, obvhs, floor",
         own = EngineKind::ALL.map(EngineKind::name).join(", ")
     )]
     UnknownEngine(String),
@@ -47,6 +47,12 @@ pub enum PeerError {
          as embree:low+instances+packets"
     )]
     BestOutsideBenchmark,
+    /// What answers nothing was asked for answers.
+    #[error(
+        "floor answers no ray; it is there for bench map, bench scaling and bench scene, to tell \
+         what every engine takes at least"
+    )]
+    FloorOutsideBenchmark,
     /// There is no library.
     #[error(
         "the library Embree 4 was not found; `cargo xtask embree` fetches it, and EMBREE_LIB or \

@@ -15,7 +15,8 @@ pub(crate) struct EngineArguments {
     ///
     /// Ours: auto, brute, hierarchy, bvh, subfields, subfields:SETTING (such as
     /// subfields:eager+list+40). Others: embree:best (every setting is tried, the best one counts),
-    /// embree:SETTING (such as embree:low+instances+packets+coherent), obvhs.
+    /// embree:SETTING (such as embree:low+instances+packets+coherent), obvhs; and floor, which
+    /// answers nothing but reads and writes what every engine has to: the bound of what can be won.
     #[arg(
         long,
         value_name = "NAMES",
