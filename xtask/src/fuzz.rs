@@ -18,7 +18,7 @@ use anyhow::{Context, Result, bail, ensure};
 use crate::tools;
 
 /// How much each target does where nothing is asked for.
-const USUAL: Effort = Effort::Seconds(30);
+const USUAL: Effort = Effort::Seconds(15);
 
 /// How much a target does.
 #[derive(Clone, Copy)]
