@@ -18,7 +18,6 @@ use crate::lights::key_light::SKY_SHARE;
 use crate::shading::background;
 use crate::shading::scatter::{Scatter, scatter};
 use crate::shading::surface_point::{SurfacePoint, surface_point};
-use crate::shading::turns::Chances;
 use crate::wave::{Contribution, LitPoint, Path, ShadedRun, Wave};
 
 /// What shading needs besides rays and hits.
@@ -131,6 +130,5 @@ fn push_lit_point(
         shininess,
         pixel_idx: path.pixel_idx,
         seed: path.seed,
-        chances: Chances::NONE,
     });
 }
