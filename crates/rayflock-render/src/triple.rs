@@ -72,3 +72,10 @@ pub(crate) fn select<S: Simd>(mask: mask32x16<S>, values: &mut Triple<S>, others
         *value = mask.select(*other, *value);
     }
 }
+
+/// The sum of three triples, each times its share, in this order.
+#[inline(always)]
+pub(crate) fn weighted<S: Simd>(values: &[Triple<S>; 3], shares: &[f32x16<S>; 3]) -> Triple<S> {
+    let first = add(&scale(&values[0], shares[0]), &scale(&values[1], shares[1]));
+    add(&first, &scale(&values[2], shares[2]))
+}
