@@ -44,7 +44,7 @@ use fearless_simd::f32x4;
 pub use fearless_simd::prelude::*;
 pub use fearless_simd::{Simd, dispatch, f32x16, mask32x16, u32x16};
 
-pub(crate) use self::point_columns::point_columns;
+pub use self::point_columns::point_columns;
 
 /// Lanes of every vector.
 pub const LANES: usize = 16;

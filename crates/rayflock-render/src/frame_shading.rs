@@ -80,11 +80,13 @@ impl FrameShading {
     }
 
     /// The object with this id; `None` for [`ObjectId::NONE`].
+    #[inline]
     pub(crate) fn object(&self, id: ObjectId) -> Option<&ShadedObject> {
         self.objects.get(id.0 as usize)?.as_ref()
     }
 
     /// The material at `idx`.
+    #[inline]
     pub(crate) fn material(&self, idx: MaterialIdx) -> &Material {
         &self.materials[idx.0 as usize]
     }
@@ -118,6 +120,7 @@ impl FrameShading {
     }
 
     /// What multiplies the diffuse and ambient share at `point`: texture and vertex colour.
+    #[inline(always)]
     pub(crate) fn base_color(&self, point: &SurfacePoint) -> Vec3 {
         let texture_idx = self.material(point.material).diffuse_texture;
         match (texture_idx, point.uv) {

@@ -74,6 +74,7 @@ mod stages;
 mod stats;
 pub mod sun;
 pub mod tonemap;
+mod triple;
 mod view;
 pub mod vpl;
 mod wave;

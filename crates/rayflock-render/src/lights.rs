@@ -5,6 +5,7 @@ pub(crate) mod emitters;
 pub(crate) mod incident;
 pub(crate) mod key_light;
 pub(crate) mod power;
+pub(crate) mod sent_back;
 
 use glam::Vec3;
 use rayflock_geom::Geometry;

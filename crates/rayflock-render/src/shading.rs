@@ -9,5 +9,6 @@ pub(crate) mod luminance;
 pub(crate) mod sampling;
 pub(crate) mod scatter;
 pub(crate) mod surface_point;
+pub(crate) mod surface_points;
 pub(crate) mod texture;
 pub(crate) mod turns;

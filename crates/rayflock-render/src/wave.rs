@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use rayflock_geom::{Column, RayBatch, RayOrder};
 
@@ -180,7 +181,8 @@ fn copy_columns(
 }
 
 /// A point that lights may light, with all that its radiance depends on.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
 pub(crate) struct LitPoint {
     /// Where shadow rays end.
     pub(crate) shadow_position: Vec3,
@@ -198,8 +200,6 @@ pub(crate) struct LitPoint {
     pub(crate) pixel_idx: u32,
     /// Chooses the sample points on emitters.
     pub(crate) seed: PathSeed,
-    /// How likely the path itself goes on toward a light; none where turns are not left to chance.
-    pub(crate) chances: Chances,
 }
 
 /// What shading one run of rays gives; kept from batch to batch for its memory.
@@ -209,6 +209,9 @@ pub(crate) struct ShadedRun {
     pub(crate) unshadowed: Vec<Contribution>,
     /// Points to be lit.
     pub(crate) points: Vec<LitPoint>,
+    /// How likely the path of each point goes on toward a light itself; empty where turns are not
+    /// left to chance.
+    pub(crate) chances: Vec<Chances>,
     /// Mirrored rays.
     pub(crate) mirror: Wave,
     /// Refracted rays.
@@ -226,6 +229,7 @@ impl ShadedRun {
     pub(crate) fn clear(&mut self, bounce: u32) {
         self.unshadowed.clear();
         self.points.clear();
+        self.chances.clear();
         self.mirror.clear(bounce + 1);
         self.refraction.clear(bounce + 1);
     }
@@ -234,6 +238,7 @@ impl ShadedRun {
     pub(crate) fn memory_usage(&self) -> usize {
         self.unshadowed.capacity() * size_of::<Contribution>()
             + self.points.capacity() * size_of::<LitPoint>()
+            + self.chances.capacity() * size_of::<Chances>()
             + self.mirror.memory_usage()
             + self.refraction.memory_usage()
             + self.shadow.memory_usage()

@@ -15,7 +15,7 @@ use super::{LANES, Simd, SimdBase, SimdCombine, f32x4, f32x16};
 /// Sixteen points that begin `stride` scalars apart; `None` where there are fewer, or where nothing
 /// follows the last.
 #[inline(always)]
-pub(crate) fn point_columns<S: Simd>(simd: S, scalars: &[f32], stride: usize) -> Option<Axes<S>> {
+pub fn point_columns<S: Simd>(simd: S, scalars: &[f32], stride: usize) -> Option<Axes<S>> {
     let scalars = scalars.get(..(LANES - 1) * stride + 4)?;
     let (first, second) = (four(simd, scalars, stride, 0), four(simd, scalars, stride, 4));
     let (third, fourth) = (four(simd, scalars, stride, 8), four(simd, scalars, stride, 12));

@@ -3,6 +3,9 @@
 use glam::Vec3;
 use rayflock_scene::{Falloff, LightKind};
 
+/// Between the cosines of a spot light's cones lies at least this, so that it can be divided by.
+pub(super) const MIN_CONE_WIDTH: f32 = 1e-4;
+
 /// Light that arrives at a point from one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Incident {
@@ -45,7 +48,7 @@ fn toward(source: Vec3, position: Vec3) -> (Vec3, f32) {
 /// The share of a spot light's intensity at an angle with cosine `cos` from its axis: smooth
 /// between the two cones, as glTF's `KHR_lights_punctual` recommends.
 fn cone_share(cos: f32, cos_inner: f32, cos_outer: f32) -> f32 {
-    let width = (cos_inner - cos_outer).max(1e-4);
+    let width = (cos_inner - cos_outer).max(MIN_CONE_WIDTH);
     let share = ((cos - cos_outer) / width).clamp(0.0, 1.0);
     share * share
 }

@@ -13,6 +13,7 @@ pub(crate) const DEFAULT_SKY: Background = Background::Gradient {
 
 /// The radiance from along `direction`, of any length; gradients are linear in the sine of the
 /// elevation.
+#[inline]
 pub(crate) fn radiance(background: &Background, direction: Vec3) -> Vec3 {
     match *background {
         Background::Uniform(radiance) => radiance,

@@ -13,6 +13,7 @@
 
 use std::f32::consts::TAU;
 
+use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
 /// Powers of the inverse generalised golden ratio in two dimensions, times `2^32`.
@@ -22,7 +23,8 @@ const RATIO_3: [u32; 3] = [0xd1b5_4a33, 0xabc9_8389, 0x8cb9_2ba7];
 const HALF: u32 = 1 << 31;
 
 /// The identity of a path from the camera: its pixel and its turns.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
 pub(crate) struct PathSeed(u32);
 
 /// How a path goes on at a surface.

@@ -27,7 +27,8 @@ pub(crate) struct Scatter {
     pub(crate) diffuse: Vec3,
     /// Multiplies radiance along `mirror_direction`.
     pub(crate) mirror: Vec3,
-    /// The mirrored ray, of unit length, on the side from which the ray came.
+    /// The mirrored ray, of unit length, on the side from which the ray came, where there is a
+    /// mirror.
     pub(crate) mirror_direction: Vec3,
     /// Multiplies radiance along `refraction_direction`.
     pub(crate) transmission: Vec3,
@@ -56,6 +57,7 @@ pub(crate) fn highlight_albedo(shininess: f32) -> f32 {
 
 /// Evaluates `material` at `point` for a ray along unit `direction`; `base` multiplies the
 /// diffuse and the ambient share.
+#[inline(always)]
 pub(crate) fn scatter(
     material: &Material,
     point: &SurfacePoint,
@@ -69,7 +71,7 @@ pub(crate) fn scatter(
     } else {
         (point.facet_normal, 0.0_f32.max(-direction.dot(point.facet_normal)))
     };
-    let eta = relative_index(material, point.from_outside);
+    let eta = || relative_index(material, point.from_outside);
     let (mut mirror, kept) = match material.fresnel {
         Fresnel::Constant => (material.mirror, 1.0),
         Fresnel::Schlick => {
@@ -77,14 +79,14 @@ pub(crate) fn scatter(
             (material.mirror + (Vec3::ONE - material.mirror) * added, 1.0 - added)
         }
         Fresnel::Dielectric => {
-            let share = fresnel::dielectric(cos, eta);
+            let share = fresnel::dielectric(cos, eta());
             (Vec3::splat(share), 1.0 - share)
         }
     };
     let mut transmission = material.transmission * kept;
     let mut refraction_direction = direction;
     if transmission != Vec3::ZERO {
-        match fresnel::refracted(direction, normal, eta) {
+        match fresnel::refracted(direction, normal, eta()) {
             Some(refracted) => refraction_direction = turned_below(refracted, point.facet_normal),
             None => {
                 mirror += transmission;
@@ -92,7 +94,10 @@ pub(crate) fn scatter(
             }
         }
     }
-    let mirror_direction = -turned_below(-fresnel::mirrored(direction, normal), point.facet_normal);
+    let mirror_direction = match mirror == Vec3::ZERO {
+        true => direction,
+        false => -turned_below(-fresnel::mirrored(direction, normal), point.facet_normal),
+    };
     Scatter {
         ambient: material.ambient * base * kept,
         diffuse: material.diffuse * base * kept,

@@ -24,17 +24,17 @@
 
 use glam::{DVec3, Vec2, Vec3, Vec3A};
 use rayflock_geom::{Hit, PrimKind, Ray, transform_point, transform_sphere};
-use rayflock_scene::MaterialIdx;
+use rayflock_scene::{MaterialIdx, SurfaceAttributes};
 
 use crate::frame_shading::{FrameShading, ShadedObject};
 
 /// The offset relative to the largest coordinate: 32 units in the last place.
-const SLACK: f32 = 32.0 * f32::EPSILON;
+pub(super) const SLACK: f32 = 32.0 * f32::EPSILON;
 /// Cosine of the angle up to which vertex normals count as those of a smooth surface.
-const SMOOTH_COS: f32 = 0.7;
+pub(super) const SMOOTH_COS: f32 = 0.7;
 
 /// A point of a surface, as a ray sees it. World space, unit lengths.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SurfacePoint {
     /// On the primitive.
     pub(crate) position: Vec3,
@@ -81,29 +81,67 @@ pub(crate) fn surface_point(frame: &FrameShading, ray: &Ray, hit: &Hit) -> Optio
 }
 
 fn on_triangle(object: &ShadedObject, triangle_idx: usize, hit: &Hit, ray: &Ray) -> SurfacePoint {
-    let corner_idxs = object.surface.mesh.triangles()[triangle_idx].map(|idx| idx as usize);
     let shares = [1.0 - hit.u - hit.v, hit.u, hit.v];
-    let corners = object.surface.mesh.corners(triangle_idx).map(|v| match &object.transform {
-        Some(transform) => transform_point(transform, v),
-        None => v,
-    });
+    let corners = corners_of(object, triangle_idx);
     let position = interpolated(shares, corners);
-    let outward = triangle_normal(corners) * object.handedness;
+    let outward = outward_normal(object, corners);
     let largest = corners.iter().fold(0.0_f32, |largest, v| largest.max(v.abs().max_element()));
 
     let mut point = facing(position, outward, largest, ray);
-    let attributes = &object.surface.attributes;
-    if !attributes.uvs.is_empty() {
-        point.uv = Some(interpolated(shares, corner_idxs.map(|idx| attributes.uvs[idx])));
-    }
-    if !attributes.colors.is_empty() {
-        point.tint = interpolated(shares, corner_idxs.map(|idx| attributes.colors[idx]));
-    }
-    if !object.surface.normals.is_empty() {
-        let in_world = |idx: usize| object.normal_from_object * object.surface.normals[idx];
-        smooth(&mut point, shares, corners, corner_idxs.map(in_world));
+    (point.uv, point.tint) = attributes_of(object, triangle_idx, shares);
+    if let Some(normals) = vertex_normals(object, triangle_idx) {
+        smooth(&mut point, shares, corners, normals);
     }
     point
+}
+
+/// The corners of a triangle in world space.
+#[inline]
+pub(super) fn corners_of(object: &ShadedObject, triangle_idx: usize) -> [Vec3; 3] {
+    let [v0, v1, v2] = object.surface.mesh.corners(triangle_idx);
+    match &object.transform {
+        Some(transform) => [
+            transform_point(transform, v0),
+            transform_point(transform, v1),
+            transform_point(transform, v2),
+        ],
+        None => [v0, v1, v2],
+    }
+}
+
+/// The unit normal of a triangle on its outer side.
+#[inline]
+pub(super) fn outward_normal(object: &ShadedObject, corners: [Vec3; 3]) -> Vec3 {
+    triangle_normal(corners) * object.handedness
+}
+
+/// The normals of the vertices of a triangle in world space, of any length, if the mesh has any.
+#[inline]
+pub(super) fn vertex_normals(object: &ShadedObject, triangle_idx: usize) -> Option<[Vec3; 3]> {
+    let normals = &object.surface.normals;
+    if normals.is_empty() {
+        return None;
+    }
+    let [v0, v1, v2] = object.surface.mesh.triangles()[triangle_idx];
+    let in_world = |idx: u32| object.normal_from_object * normals[idx as usize];
+    Some([in_world(v0), in_world(v1), in_world(v2)])
+}
+
+/// Texture coordinates and colour at a point of a triangle, where the vertices have any.
+#[inline(always)]
+pub(super) fn attributes_of(
+    object: &ShadedObject,
+    triangle_idx: usize,
+    shares: [f32; 3],
+) -> (Option<Vec2>, Vec3) {
+    let SurfaceAttributes { uvs, colors, .. } = &*object.surface.attributes;
+    let corner_idxs = object.surface.mesh.triangles()[triangle_idx].map(|idx| idx as usize);
+    let uv = (!uvs.is_empty()).then(|| interpolated(shares, corner_idxs.map(|idx| uvs[idx])));
+    let tint = match colors.is_empty() {
+        true => Vec3::ONE,
+        false => interpolated(shares, corner_idxs.map(|idx| colors[idx])),
+    };
+    (uv, tint)
 }
 
 fn on_sphere(object: &ShadedObject, sphere_idx: usize, hit: &Hit, ray: &Ray) -> SurfacePoint {

@@ -6,6 +6,7 @@ use rayflock_scene::Texture;
 /// The colour of `texture` at `uv`: between the four nearest texels, repeating in both
 /// directions. Coordinate (0, 0) is the top left corner of the image; texel centres lie at
 /// halves.
+#[inline]
 pub(crate) fn bilinear(texture: &Texture, uv: Vec2) -> Vec3 {
     let (x0, x1, fx) = neighbours(uv.x, texture.width);
     let (y0, y1, fy) = neighbours(uv.y, texture.height);

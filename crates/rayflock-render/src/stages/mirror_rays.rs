@@ -21,6 +21,7 @@ pub(crate) fn is_worth_following(weight: Vec3) -> bool {
 ///
 /// On the inside of a transmitting solid the path stays in that solid; elsewhere it stays in
 /// whatever it was in.
+#[inline]
 pub(crate) fn mirror_ray(
     point: &SurfacePoint,
     material: &Material,

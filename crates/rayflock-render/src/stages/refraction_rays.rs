@@ -13,6 +13,7 @@ use crate::wave::{Path, Wave};
 ///
 /// Whether it enters or leaves the solid is told by the side that was hit, so meshes of glass
 /// must be closed and wound outward; solids inside solids are left into air.
+#[inline]
 pub(crate) fn refraction_ray(
     point: &SurfacePoint,
     material: &Material,

@@ -91,14 +91,15 @@ impl Course<'_> {
             shininess: material.shininess,
             pixel_idx: path.pixel_idx,
             seed: path.seed,
-            // A path that ends here leaves all light of emitters to shadow rays.
-            chances: if goes_on { chances } else { Chances::NONE },
         };
+        // A path that ends here leaves all light of emitters to shadow rays.
+        let chances = if goes_on { chances } else { Chances::NONE };
         if lit.diffuse != Vec3::ZERO || lit.specular != Vec3::ZERO {
             run.points.push(lit);
+            run.chances.push(chances);
         }
         if goes_on {
-            self.turn(&path, &point, material, &scatter, &lit, &mut run.mirror);
+            self.turn(&path, &point, material, &scatter, (&lit, &chances), &mut run.mirror);
         }
     }
 
@@ -127,13 +128,13 @@ impl Course<'_> {
         point: &SurfacePoint,
         material: &Material,
         scatter: &Scatter,
-        lit: &LitPoint,
+        (lit, chances): (&LitPoint, &Chances),
         wave: &mut Wave,
     ) {
         let random = path.seed.unit_4_cube(self.sample_idx, self.bounce);
-        let Some(kind) = lit.chances.choose(random[0]) else { return };
+        let Some(kind) = chances.choose(random[0]) else { return };
         let Some((origin, direction, mut next)) =
-            turned(kind, [random[1], random[2]], path, point, material, scatter, lit)
+            turned(kind, [random[1], random[2]], path, point, material, scatter, (lit, chances))
         else {
             return;
         };
@@ -158,10 +159,9 @@ fn turned(
     point: &SurfacePoint,
     material: &Material,
     scatter: &Scatter,
-    lit: &LitPoint,
+    (lit, chances): (&LitPoint, &Chances),
 ) -> Option<(Vec3, Vec3, Path)> {
     let seed = path.seed.after(Turn::Chance);
-    let chances = &lit.chances;
     match kind {
         TurnKind::Rough { is_highlight } => {
             let (normal, to_viewer) = (lit.normal, lit.to_viewer);

@@ -4,9 +4,15 @@
 //! ray hit nothing. The rest is left as points to be lit and as rays of the next bounce. Light is
 //! absorbed along the ray first (Beer-Lambert); a ray that leaves a transmitting solid without
 //! hitting its far side, because the mesh is open, is not absorbed.
+//!
+//! What hits mean in the world is found for sixteen rays at a time, what becomes of light ray by
+//! ray.
+
+use std::ops::Range;
 
 use glam::Vec3;
-use rayflock_geom::{HitBuffer, Ray, RayBatch};
+use rayflock_geom::simd::{LANES, Simd, SimdLevel, dispatch};
+use rayflock_geom::{HitBuffer, Ray};
 use rayflock_scene::Background;
 use tracing::debug_span;
 
@@ -17,8 +23,8 @@ use crate::frame_shading::FrameShading;
 use crate::lights::key_light::SKY_SHARE;
 use crate::shading::background;
 use crate::shading::scatter::{Scatter, scatter};
-use crate::shading::surface_point::{SurfacePoint, surface_point};
-use crate::shading::turns::Chances;
+use crate::shading::surface_point::SurfacePoint;
+use crate::shading::surface_points::SurfacePoints;
 use crate::wave::{Contribution, LitPoint, Path, ShadedRun, Wave};
 
 /// What shading needs besides rays and hits.
@@ -59,40 +65,69 @@ pub(crate) fn shade_surface(
     runs: &mut Vec<ShadedRun>,
 ) {
     let _span = debug_span!("shade_surface").entered();
-    let batch = wave.batch();
     begin_runs(wave, runs, |rays, run| {
-        for ray_idx in rays {
-            shade_ray(surroundings, wave, &batch, hits, ray_idx, run);
-        }
+        dispatch!(SimdLevel::best().level(), simd => {
+            shade_rays(simd, surroundings, (wave, hits), rays, run);
+        });
     });
 }
 
-fn shade_ray(
+#[inline(always)]
+fn shade_rays<S: Simd>(
+    simd: S,
     surroundings: &Surroundings<'_>,
-    wave: &Wave,
-    batch: &RayBatch<'_>,
-    hits: &HitBuffer,
-    ray_idx: usize,
+    (wave, hits): (&Wave, &HitBuffer),
+    rays: Range<usize>,
     run: &mut ShadedRun,
 ) {
-    let (ray, hit) = (batch.ray(ray_idx), hits.get(ray_idx));
-    let mut path = wave.paths[ray_idx];
-    let pixel_idx = path.pixel_idx;
+    let batch = wave.batch();
+    for start in rays.clone().step_by(LANES) {
+        let block = start..rays.end.min(start + LANES);
+        let points = SurfacePoints::new(simd, surroundings.frame, (&batch, hits), block.clone());
+        for (lane, ray_idx) in block.enumerate() {
+            let path = wave.paths[ray_idx];
+            match &points.get(lane) {
+                Some(point) => {
+                    let hit = (point, hits.t[ray_idx]);
+                    shade_point(surroundings, wave.bounce, hit, &batch.ray(ray_idx), path, run);
+                }
+                None => see_background(surroundings, batch.direction().get(ray_idx), &path, run),
+            }
+        }
+    }
+}
+
+/// A ray that hit nothing.
+fn see_background(
+    surroundings: &Surroundings<'_>,
+    direction: Vec3,
+    path: &Path,
+    run: &mut ShadedRun,
+) {
+    let sky = background::radiance(&surroundings.background, direction);
+    let radiance = path.weight * sky;
+    run.unshadowed.push(Contribution { pixel_idx: path.pixel_idx, radiance });
+}
+
+/// A ray that hit `point`, at a distance of `t`.
+fn shade_point(
+    surroundings: &Surroundings<'_>,
+    bounce: u32,
+    (point, t): (&SurfacePoint, f32),
+    ray: &Ray,
+    mut path: Path,
+    run: &mut ShadedRun,
+) {
     let frame = surroundings.frame;
-    let Some(point) = surface_point(frame, &ray, &hit) else {
-        let sky = background::radiance(&surroundings.background, ray.direction);
-        run.unshadowed.push(Contribution { pixel_idx, radiance: path.weight * sky });
-        return;
-    };
     let length = ray.direction.length();
     if path.absorption != Vec3::ZERO {
-        path.weight *= (-path.absorption * (hit.t * length)).exp();
+        path.weight *= (-path.absorption * (t * length)).exp();
     }
 
     // What the surface itself sends out, and what it makes of ambient light.
     let material = frame.material(point.material);
-    let base = frame.base_color(&point);
-    let mut scatter = scatter(material, &point, base, ray.direction / length);
+    let base = frame.base_color(point);
+    let mut scatter = scatter(material, point, base, ray.direction / length);
     let mut highlight = material.specular;
     if surroundings.indirect {
         scatter.conserve(&mut highlight, material.shininess);
@@ -100,14 +135,14 @@ fn shade_ray(
     let ambient = scatter.ambient * surroundings.ambient(point.normal);
     let radiance = path.weight * (material.emission + ambient);
     if radiance != Vec3::ZERO {
-        run.unshadowed.push(Contribution { pixel_idx, radiance });
+        run.unshadowed.push(Contribution { pixel_idx: path.pixel_idx, radiance });
     }
 
     // What lights may add, and where the path goes on.
-    push_lit_point((&scatter, highlight, material.shininess), &point, &path, &ray, run);
-    if wave.bounce < surroundings.depth {
-        mirror_ray(&point, material, &scatter, &path, &mut run.mirror);
-        refraction_ray(&point, material, &scatter, &path, &mut run.refraction);
+    push_lit_point((&scatter, highlight, material.shininess), point, &path, ray, run);
+    if bounce < surroundings.depth {
+        mirror_ray(point, material, &scatter, &path, &mut run.mirror);
+        refraction_ray(point, material, &scatter, &path, &mut run.refraction);
     }
 }
 
@@ -131,6 +166,5 @@ fn push_lit_point(
         shininess,
         pixel_idx: path.pixel_idx,
         seed: path.seed,
-        chances: Chances::NONE,
     });
 }

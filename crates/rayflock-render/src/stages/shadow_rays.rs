@@ -5,17 +5,23 @@
 //! to sampled points of emitters share nothing and start at the surface, where neighbours in the
 //! picture are close. Points that face away from the light get no ray.
 //!
+//! What points send back of a light is found sixteen at a time; emitters have a sample for each
+//! point, and are asked one by one.
+//!
 //! Glass casts a full shadow, like anything else.
 
 use glam::Vec3;
+use rayflock_geom::simd::{LANES, Simd, SimdLevel, dispatch};
 use rayflock_geom::{Column, RayBatch, RayOrder};
 use rayflock_scene::LightKind;
 use rayon::prelude::*;
 use tracing::debug_span;
 
 use crate::lights::emitters::{EmitterSample, Emitters};
-use crate::lights::incident::{Incident, incident};
+use crate::lights::incident::Incident;
+use crate::lights::sent_back::{SentBack, sent_back};
 use crate::shading::scatter::reflected;
+use crate::shading::turns::Chances;
 use crate::wave::{Contribution, LitPoint, ShadedRun, ShadowWave};
 
 /// Rays from a light start this far along, and end this far before the point, relative to the
@@ -39,8 +45,13 @@ pub(crate) fn shadow_rays(target: ShadowTarget<'_>, runs: &mut [ShadedRun], wave
     runs.par_iter_mut().for_each(|run| {
         run.shadow.clear();
         run.lit.clear();
-        for point in &run.points {
-            push_ray(target, point, &mut run.shadow, &mut run.lit);
+        match target {
+            ShadowTarget::Light(light) => {
+                dispatch!(SimdLevel::best().level(), simd => ask_light(simd, light, run));
+            }
+            ShadowTarget::Emitters { emitters, sample_idx, sample_count } => {
+                ask_emitters(emitters, (sample_idx, sample_count), run);
+            }
         }
     });
     wave.join(runs);
@@ -78,59 +89,53 @@ fn order_of(target: ShadowTarget<'_>) -> RayOrder {
     }
 }
 
-fn push_ray(
-    target: ShadowTarget<'_>,
-    point: &LitPoint,
-    wave: &mut ShadowWave,
-    lit: &mut Vec<Contribution>,
-) {
-    match target {
-        ShadowTarget::Light(light) => {
-            let Some(incident) = incident(light, point.shadow_position) else { return };
-            if !push_contribution(point, &incident, 1.0, lit) {
-                return;
-            }
+/// Adds a ray for each point of `run` that sends light of `light` back.
+#[inline(always)]
+fn ask_light<S: Simd>(simd: S, light: &LightKind, run: &mut ShadedRun) {
+    let ShadedRun { points, shadow, lit, .. } = run;
+    for points in points.chunks(LANES) {
+        let SentBack { radiance, lit: mut lanes } = sent_back(simd, light, points);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            let LitPoint { shadow_position, pixel_idx, .. } = points[lane];
+            let radiance = Vec3::new(radiance[0][lane], radiance[1][lane], radiance[2][lane]);
+            lit.push(Contribution { pixel_idx, radiance });
             match light {
                 LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
-                    wave.directions.push(point.shadow_position - *position);
+                    shadow.directions.push(shadow_position - *position);
                 }
-                LightKind::Directional { .. } => wave.origins.push(point.shadow_position),
+                LightKind::Directional { .. } => shadow.origins.push(shadow_position),
             }
         }
-        ShadowTarget::Emitters { emitters, sample_idx, sample_count } => {
-            let random = point.seed.unit_cube(sample_idx);
-            let Some(sample) = emitters.sample(point.shadow_position, random) else { return };
-            let share = chance_of_sample(point, &sample) / sample_count as f32;
-            if push_contribution(point, &sample.incident, share, lit) {
-                wave.origins.push(point.shadow_position);
-                wave.directions.push(sample.source - point.shadow_position);
-            }
+    }
+}
+
+/// Adds a ray for each point of `run` that sends light of its sample back: `sample_idx`, one of
+/// `sample_count` that share the light.
+fn ask_emitters(emitters: &Emitters, (sample_idx, sample_count): (u32, u32), run: &mut ShadedRun) {
+    let chances = run.chances.iter().copied().chain(std::iter::repeat(Chances::NONE));
+    for (point, chances) in run.points.iter().zip(chances) {
+        let random = point.seed.unit_cube(sample_idx);
+        let Some(sample) = emitters.sample(point.shadow_position, random) else { continue };
+        let share = chance_of_sample(point, &chances, &sample) / sample_count as f32;
+        let LitPoint { diffuse, specular, shininess, normal, to_viewer, .. } = *point;
+        let Incident { to_light, irradiance } = sample.incident;
+        let sent_back = reflected(diffuse, specular, shininess, normal, to_viewer, to_light);
+        let radiance = share * sent_back * irradiance;
+        if radiance != Vec3::ZERO {
+            run.lit.push(Contribution { pixel_idx: point.pixel_idx, radiance });
+            run.shadow.origins.push(point.shadow_position);
+            run.shadow.directions.push(sample.source - point.shadow_position);
         }
     }
 }
 
 /// What a sampled point counts for where the path may find the same light on its way: the balance
 /// heuristic.
-fn chance_of_sample(point: &LitPoint, sample: &EmitterSample) -> f32 {
+fn chance_of_sample(point: &LitPoint, chances: &Chances, sample: &EmitterSample) -> f32 {
     let LitPoint { normal, to_viewer, shininess, .. } = *point;
     let to_light = sample.incident.to_light;
-    let by_path = point.chances.density(normal, to_viewer, shininess, to_light);
+    let by_path = chances.density(normal, to_viewer, shininess, to_light);
     1.0 / (1.0 + by_path / sample.density)
-}
-
-/// Adds what the point sends back of `share` of the light; `false` where that is nothing.
-fn push_contribution(
-    point: &LitPoint,
-    incident: &Incident,
-    share: f32,
-    lit: &mut Vec<Contribution>,
-) -> bool {
-    let LitPoint { diffuse, specular, shininess, normal, to_viewer, .. } = *point;
-    let sent_back = reflected(diffuse, specular, shininess, normal, to_viewer, incident.to_light);
-    let radiance = share * sent_back * incident.irradiance;
-    if radiance == Vec3::ZERO {
-        return false;
-    }
-    lit.push(Contribution { pixel_idx: point.pixel_idx, radiance });
-    true
 }

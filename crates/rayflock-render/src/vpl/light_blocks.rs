@@ -22,7 +22,8 @@ use glam::Vec3;
 use rayflock_geom::simd::segment_spheres::PointBlock;
 use rayflock_geom::simd::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16};
 
-use super::light_ways::{FAINT, NearLight, Triple, Viewed, Way, dot, load, store};
+use super::light_ways::{FAINT, NearLight, Viewed, Way};
+use crate::triple::{Triple, dot, load, store};
 use crate::wave::LitPoint;
 
 /// Sixteen points, and what has come to them.
@@ -244,7 +245,6 @@ mod tests {
     use super::super::{Lobe, VirtualLight, VirtualLights};
     use super::*;
     use crate::shading::sampling::PathSeed;
-    use crate::shading::turns::Chances;
 
     /// Numbers from -1 to 1, always the same.
     fn random(set: u32, idx: u32) -> [f32; 4] {
@@ -268,7 +268,6 @@ mod tests {
             shininess: 40.0 + 39.0 * shininess,
             pixel_idx: idx,
             seed: PathSeed::of_pixel(0, 0),
-            chances: Chances::NONE,
         }
     }
 

@@ -7,9 +7,10 @@
 
 use glam::Vec3;
 use rayflock_geom::simd::power::power;
-use rayflock_geom::simd::{Lanes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
+use rayflock_geom::simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
 
 use super::{Lobe, VirtualLight, VirtualLights};
+use crate::triple::{Triple, dot, splat};
 
 /// The logarithm of 512: a power is below one over that where one minus its base, times its
 /// exponent, exceeds this.
@@ -45,31 +46,6 @@ impl NearLight {
         let lobe = lights.lobe(light_idx).copied();
         Self { position, normal, evenness, intensity, lobe }
     }
-}
-
-/// Three columns, or colours.
-pub(super) type Triple<S> = [f32x16<S>; 3];
-
-#[inline(always)]
-pub(super) fn load<S: Simd>(simd: S, columns: &[Lanes; 3]) -> Triple<S> {
-    let load = f32x16::from_slice;
-    [load(simd, &columns[0]), load(simd, &columns[1]), load(simd, &columns[2])]
-}
-
-#[inline(always)]
-pub(super) fn store<S: Simd>(values: &Triple<S>, columns: &mut [Lanes; 3]) {
-    values.iter().zip(columns).for_each(|(value, column)| value.store_slice(column));
-}
-
-#[inline(always)]
-pub(super) fn splat<S: Simd>(simd: S, vector: Vec3) -> Triple<S> {
-    let splat = f32x16::splat;
-    [splat(simd, vector.x), splat(simd, vector.y), splat(simd, vector.z)]
-}
-
-#[inline(always)]
-pub(super) fn dot<S: Simd>(a: &Triple<S>, b: &Triple<S>) -> f32x16<S> {
-    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 }
 
 /// Sixteen points in registers.

@@ -220,7 +220,6 @@ mod tests {
     use super::super::{VirtualLight, VisibilityStats};
     use super::*;
     use crate::shading::sampling::PathSeed;
-    use crate::shading::turns::Chances;
     use crate::wave::LitPoint;
 
     const SAMPLES: u32 = 2048;
@@ -267,7 +266,6 @@ mod tests {
             shininess: 1.0,
             pixel_idx: 0,
             seed: PathSeed::of_pixel(3, 4),
-            chances: Chances::NONE,
         };
         ShadedRun { points: vec![point; 3], ..ShadedRun::default() }
     }

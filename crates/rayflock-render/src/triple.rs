@@ -1,0 +1,81 @@
+//! Three columns of sixteen lanes: points, directions or colours at work.
+
+use glam::Vec3;
+use rayflock_geom::simd::{Lanes, Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
+
+/// x, y and z, or the three colours, of sixteen lanes.
+pub(crate) type Triple<S> = [f32x16<S>; 3];
+
+#[inline(always)]
+pub(crate) fn load<S: Simd>(simd: S, columns: &[Lanes; 3]) -> Triple<S> {
+    let load = f32x16::from_slice;
+    [load(simd, &columns[0]), load(simd, &columns[1]), load(simd, &columns[2])]
+}
+
+#[inline(always)]
+pub(crate) fn store<S: Simd>(values: &Triple<S>, columns: &mut [Lanes; 3]) {
+    values.iter().zip(columns).for_each(|(value, column)| value.store_slice(column));
+}
+
+#[inline(always)]
+pub(crate) fn splat<S: Simd>(simd: S, vector: Vec3) -> Triple<S> {
+    let splat = f32x16::splat;
+    [splat(simd, vector.x), splat(simd, vector.y), splat(simd, vector.z)]
+}
+
+#[inline(always)]
+pub(crate) fn dot<S: Simd>(a: &Triple<S>, b: &Triple<S>) -> f32x16<S> {
+    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+}
+
+#[inline(always)]
+pub(crate) fn add<S: Simd>(a: &Triple<S>, b: &Triple<S>) -> Triple<S> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+pub(crate) fn subtract<S: Simd>(a: &Triple<S>, b: &Triple<S>) -> Triple<S> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+pub(crate) fn scale<S: Simd>(a: &Triple<S>, factor: f32x16<S>) -> Triple<S> {
+    [a[0] * factor, a[1] * factor, a[2] * factor]
+}
+
+/// Unit vectors, zero where there is no length to divide by; to the bit what
+/// [`Vec3::normalize_or_zero`] makes of each lane.
+#[inline(always)]
+pub(crate) fn normalized_or_zero<S: Simd>(simd: S, a: &Triple<S>) -> Triple<S> {
+    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+    let factor = one / dot(a, a).sqrt();
+    let has_length = factor.simd_gt(zero) & factor.simd_lt(f32x16::splat(simd, f32::INFINITY));
+    let unit = scale(a, factor);
+    [
+        has_length.select(unit[0], zero),
+        has_length.select(unit[1], zero),
+        has_length.select(unit[2], zero),
+    ]
+}
+
+/// Where not all three are zero.
+#[inline(always)]
+pub(crate) fn is_something<S: Simd>(simd: S, a: &Triple<S>) -> mask32x16<S> {
+    let zero = f32x16::splat(simd, 0.0);
+    !(a[0].simd_eq(zero) & a[1].simd_eq(zero) & a[2].simd_eq(zero))
+}
+
+/// Makes `values` the `others` where `mask` is set.
+#[inline(always)]
+pub(crate) fn select<S: Simd>(mask: mask32x16<S>, values: &mut Triple<S>, others: &Triple<S>) {
+    for (value, other) in values.iter_mut().zip(others) {
+        *value = mask.select(*other, *value);
+    }
+}
+
+/// The sum of three triples, each times its share, in this order.
+#[inline(always)]
+pub(crate) fn weighted<S: Simd>(values: &[Triple<S>; 3], shares: &[f32x16<S>; 3]) -> Triple<S> {
+    let first = add(&scale(&values[0], shares[0]), &scale(&values[1], shares[1]));
+    add(&first, &scale(&values[2], shares[2]))
+}
