@@ -151,7 +151,7 @@ impl BandTracer {
         }
         let waiting = (1 << some.len()) - 1;
         if by_slot != 0 {
-            self.meet_by_slot(simd, here, &rows, by_slot, stats);
+            self.meet_by_slot(simd, here, (&rows, by_slot), stats);
         }
         let mut lanes = waiting & !by_slot;
         if lanes == 0 {
@@ -175,8 +175,22 @@ impl BandTracer {
         &mut self,
         simd: S,
         here: Here<'_>,
-        rows: &[StripRow; LANES],
-        mut lanes: u64,
+        (rows, lanes): (&[StripRow; LANES], u64),
+        stats: &mut TraceStats,
+    ) {
+        // Not a part of the caller, so it has to be told the instruction set again.
+        simd.vectorize(
+            #[inline(always)]
+            || self.meet_each(simd, here, (rows, lanes), stats),
+        );
+    }
+
+    #[inline(always)]
+    fn meet_each<S: Simd>(
+        &mut self,
+        simd: S,
+        here: Here<'_>,
+        (rows, mut lanes): (&[StripRow; LANES], u64),
         stats: &mut TraceStats,
     ) {
         let Here { work: BandWork { table, .. }, face, .. } = here;
