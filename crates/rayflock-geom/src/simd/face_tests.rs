@@ -184,6 +184,11 @@ fn wrongly_rejected<S: Simd>(simd: S, case: &Case) -> Vec<(usize, usize, &'stati
             if !(*low <= y && y <= *high && x0 <= x && x <= x1) {
                 wrong.push((ray_idx, lane, "by its strip"));
             }
+            let alone = case.face.place_triangle(case.block.get(lane));
+            let within = alone.map(|reach| reach.clip_y([x, x], [y - 1.0, y + 1.0]));
+            if within.is_none_or(|[low, high]| y < low || y > high) {
+                wrong.push((ray_idx, lane, "by its column, placed alone"));
+            }
             if !triangle.may_hit(simd, place).test(0) {
                 wrong.push((ray_idx, lane, "by edges or depth"));
             }

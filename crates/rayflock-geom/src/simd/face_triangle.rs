@@ -59,6 +59,9 @@ const SPREAD: usize = 14;
 /// By how much a clipped end is moved outward, for the rounding of a division.
 const CLIP_SLACK: f32 = 4.0 * f32::EPSILON;
 
+/// More than the rounding of an edge function in `f32`, relative to the sizes of its terms.
+const EDGE_SLACK: f64 = 1.0 / (1 << 20) as f64;
+
 impl FaceTriangle {
     /// Nothing, to be overwritten.
     pub const EMPTY: Self = Self { planes: [0.0; LANES] };
@@ -132,6 +135,27 @@ impl FaceReach {
     pub fn anywhere(bounds: [f32; 4], nearest: f32) -> Self {
         let bounds = bounds.map(|bound| bound.clamp(f32::MIN, f32::MAX));
         Self { bounds, edges: [[0.0; 3]; 3], nearest }
+    }
+
+    /// Least and largest y, of those asked, between two x: outside of them
+    /// [`FaceTriangle::may_hit`] keeps nothing. The first is larger where there is nothing between.
+    pub fn clip_y(&self, [x0, x1]: [f32; 2], [y0, y1]: [f32; 2]) -> [f32; 2] {
+        let [mut low, mut high] = [y0.max(self.bounds[2]), y1.min(self.bounds[3])].map(f64::from);
+        let [x0, x1] = [x0, x1].map(f64::from);
+        for [a, b, c] in self.edges.map(|edge| edge.map(f64::from)) {
+            // An edge function is at most `b y + rest` there, the rounding of `may_hit` included.
+            let size =
+                [(a, x0, x1), (b, low, high)].map(|(k, p, q)| k.abs() * p.abs().max(q.abs()));
+            let rest = (a * x0).max(a * x1) + c + EDGE_SLACK * (size[0] + size[1] + c.abs());
+            if b > 0.0 {
+                low = low.max(-rest / b);
+            } else if b < 0.0 {
+                high = high.min(rest / -b);
+            } else if rest < 0.0 {
+                return [f32::INFINITY, f32::NEG_INFINITY];
+            }
+        }
+        [(low as f32).next_down(), (high as f32).next_up()]
     }
 }
 

@@ -208,8 +208,7 @@ impl Chunk {
         }
     }
 
-    /// Lists triangles that have no place on a face for all its bands, unless they lie beside all
-    /// of its rays.
+    /// Lists triangles that have no box on a face, unless they lie beside all of its rays.
     #[inline(never)]
     fn list_rare(
         &mut self,
@@ -225,9 +224,11 @@ impl Chunk {
             lanes &= lanes - 1;
             let Some(placed) = face.face.place_triangle(triangles.get(lane)) else { continue };
             let [left, right] = FaceTriangle::of(&placed).clip([y0, y1]);
-            if left <= x1 && right >= x0 {
-                let all = [0, face.strip_count - 1];
-                self.list(strips, face_idx, all, StripRow::of_slot(slots[lane]));
+            let ends = [left.max(x0), right.min(x1)];
+            let [low, high] = placed.clip_y(ends, [y0, y1]);
+            if ends[0] <= ends[1] && low <= high {
+                let touched = face.strips([low, high]);
+                self.list(strips, face_idx, touched, StripRow::of_slot(slots[lane]));
             }
         }
     }
