@@ -3,7 +3,7 @@
 //!
 //! For each run and frame, all ways to see take turns: each first gets the frame before and makes a
 //! tiny picture of it, unmeasured, so that fitting is that of a playing animation; then it renders
-//! the frame. What is measured is gathering, and fitting where there are spheres; shooting, direct
+//! the frame. Points that share lookouts see through the engine `auto`. What is measured is gathering, and fitting where there are spheres; shooting, direct
 //! light and everything else is the same for all and left out, and so is `commit` of the engines,
 //! which only exact visibility needs. What an engine spends on the layout of a foreign library is
 //! taken off, as said in [`TraceStats`](rayflock::engine::TraceStats::conversion_ns).
@@ -44,6 +44,8 @@ pub struct SpheresBench {
     pub library: Option<EmbreeLibrary>,
     /// Numbers of spheres.
     pub sphere_counts: Vec<usize>,
+    /// Numbers of points that share a lookout.
+    pub lookout_points: Vec<usize>,
     /// About how many virtual lights.
     pub light_count: u32,
     /// The frames, counted from 0.
@@ -135,7 +137,8 @@ struct Stage<'a> {
 }
 
 impl Stage<'_> {
-    /// One contestant for each engine, with the best setting of Embree, and each number of spheres.
+    /// One contestant for each engine, with the best setting of Embree, each number of spheres, and
+    /// each number of points that share a lookout.
     fn enter(&mut self, frame: u32) -> Result<Vec<Contestant>, BenchError> {
         let (bench, library) = (self.bench, self.bench.library.as_ref());
         let mut contestants = Vec::new();
@@ -147,6 +150,9 @@ impl Stage<'_> {
         }
         for &count in &bench.sphere_counts {
             contestants.push(Contestant::new(bench, Way::Spheres(count), library)?);
+        }
+        for &points in &bench.lookout_points {
+            contestants.push(Contestant::new(bench, Way::Lookouts(points), library)?);
         }
         Ok(contestants)
     }
@@ -219,6 +225,7 @@ mod tests {
             engines: vec![EngineKind::Brute.into(), EngineKind::Hierarchy.into()],
             library: None,
             sphere_counts: vec![16],
+            lookout_points: vec![16],
             light_count: 32,
             frames: vec![0, 3],
             frame_rate: 24.0,
@@ -229,11 +236,14 @@ mod tests {
         let mut rounds = 0;
         let record = measure(&bench, &mut evaluator, &view, &mut || rounds += 1).unwrap();
         assert_eq!(rounds, 3);
-        let [brute, hierarchy, spheres] = &record.cells[..] else { panic!("{record:?}") };
+        let [brute, hierarchy, spheres, lookouts] = &record.cells[..] else { panic!("{record:?}") };
         assert_eq!((&brute.engine[..], &spheres.engine[..]), ("brute", "spheres:16"));
         assert_eq!((spheres.phases.len(), hierarchy.facts["relative RMSE"]), (2, 0.0));
-        let flip = spheres.facts["mean FLIP"];
-        assert!(flip > 0.0 && flip < 0.1, "{flip}");
+        assert_eq!(lookouts.engine, "lookouts:16");
+        for cell in [spheres, lookouts] {
+            let flip = cell.facts["mean FLIP"];
+            assert!(flip > 0.0 && flip < 0.1, "{flip}");
+        }
         let text = format(&record);
         assert!(text.contains("spheres:16") && text.contains("times faster than brute"), "{text}");
         assert!(crate::report::html(&record).unwrap().contains("Error against speed"));

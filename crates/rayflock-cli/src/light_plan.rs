@@ -9,7 +9,7 @@ use rayflock::render::RenderSettings;
 use rayflock::render::caustics::CausticSettings;
 use rayflock::render::lightcuts::CutSettings;
 use rayflock::render::occluders::SphereSettings;
-use rayflock::render::vpl::{ChosenBy, ChosenRays, Visibility, VplSettings};
+use rayflock::render::vpl::{ChosenBy, ChosenRays, LookoutSettings, Visibility, VplSettings};
 use rayflock::render::{FrameRenderer, Indirect, PathTracer, Shown, WhittedRenderer};
 
 use crate::args::{
@@ -67,6 +67,7 @@ pub(crate) fn plan_indirect(args: &LightArguments) -> Result<Indirect> {
         ("--vpl-rays", args.vpl_rays.is_some()),
         ("--vpl-bound", args.vpl_bound.is_some()),
         ("--spheres", args.spheres.is_some()),
+        ("--lookout-points", args.lookout_points.is_some()),
         ("--error-bound", args.error_bound.is_some()),
     ];
     check_view(args)?;
@@ -83,15 +84,7 @@ pub(crate) fn plan_indirect(args: &LightArguments) -> Result<Indirect> {
                 "--indirect {} needs --integrator whitted: path finds such light by itself",
                 args.indirect.name()
             );
-            let visibility = match args.visibility {
-                None | Some(VisibilityArgument::Exact) => Visibility::Exact,
-                Some(VisibilityArgument::None) => Visibility::None,
-                Some(VisibilityArgument::Spheres) => Visibility::Spheres(spheres(args)),
-            };
-            ensure!(
-                args.spheres.is_none() || matches!(visibility, Visibility::Spheres(_)),
-                "--spheres needs --visibility spheres"
-            );
+            let visibility = plan_visibility(args)?;
             let lights = VplSettings {
                 light_count: args.vpls.unwrap_or(defaults.light_count),
                 visibility,
@@ -101,6 +94,32 @@ pub(crate) fn plan_indirect(args: &LightArguments) -> Result<Indirect> {
             plan_cuts(args, lights)
         }
     }
+}
+
+/// What points see of virtual lights, if what is asked fits together.
+fn plan_visibility(args: &LightArguments) -> Result<Visibility> {
+    let visibility = match args.visibility {
+        None | Some(VisibilityArgument::Exact) => Visibility::Exact,
+        Some(VisibilityArgument::None) => Visibility::None,
+        Some(VisibilityArgument::Spheres) => Visibility::Spheres(spheres(args)),
+        Some(VisibilityArgument::Lookouts) => Visibility::Lookouts(lookouts(args)),
+    };
+    ensure!(
+        args.spheres.is_none() || matches!(visibility, Visibility::Spheres(_)),
+        "--spheres needs --visibility spheres"
+    );
+    let has_lookouts = matches!(visibility, Visibility::Lookouts(_));
+    ensure!(
+        args.lookout_points.is_none() || has_lookouts,
+        "--lookout-points needs --visibility lookouts"
+    );
+    let asks_all = args.indirect == IndirectArgument::Vpl && args.vpl_rays.is_none();
+    ensure!(
+        !has_lookouts || asks_all,
+        "--visibility lookouts needs --indirect vpl without --vpl-rays: neighbours share rays only \
+         to lights that all of them ask about"
+    );
+    Ok(visibility)
 }
 
 /// How light is found that mirrors and glass throw, if it is asked for.
@@ -125,7 +144,7 @@ pub(crate) fn plan_comparison(
     }
     let exact = settings.indirect.exact().context(
         "--check-error compares with a shadow ray to every virtual light: it needs --indirect \
-         lightcuts, or --indirect vpl with --visibility spheres, --visibility none or --vpl-rays",
+         lightcuts, or --indirect vpl with --visibility spheres, lookouts or none, or --vpl-rays",
     )?;
     Ok(Some(RenderSettings { indirect: exact, ..settings.clone() }))
 }
@@ -144,6 +163,11 @@ fn plan_cuts(args: &LightArguments, lights: VplSettings) -> Result<Indirect> {
 fn spheres(args: &LightArguments) -> SphereSettings {
     let default = SphereSettings::default();
     SphereSettings { count: args.spheres.map_or(default.count, |count| count as usize) }
+}
+
+fn lookouts(args: &LightArguments) -> LookoutSettings {
+    let default = LookoutSettings::default();
+    LookoutSettings { points: args.lookout_points.map_or(default.points, |points| points as usize) }
 }
 
 /// Only what is rendered can be shown.
@@ -241,6 +265,11 @@ mod tests {
         let lights = VplSettings { visibility, ..VplSettings::default() };
         let line = "--visibility spheres --spheres 99";
         assert_eq!(planned(&format!("--indirect vpl {line}")).unwrap(), Indirect::Vpl(lights));
+        let visibility = Visibility::Lookouts(LookoutSettings { points: 16 });
+        let line = "--indirect vpl --visibility lookouts --lookout-points 16";
+        let expected = VplSettings { visibility, ..VplSettings::default() };
+        assert_eq!(planned(line).unwrap(), Indirect::Vpl(expected));
+        let line = "--visibility spheres --spheres 99";
         let cuts = planned(&format!("--indirect lightcuts --error-bound 0.1 {line}")).unwrap();
         assert_eq!(cuts, Indirect::Lightcuts { lights, error_bound: 0.1 });
     }
@@ -294,6 +323,13 @@ mod tests {
             assert!(error.starts_with(&expected), "{error}");
         }
         assert!(planned("--indirect vpl --vpl-bound -1").is_err());
+        for light in ["vpl --vpl-rays 2", "lightcuts"] {
+            let line = format!("--indirect {light} --visibility lookouts");
+            let error = planned(&line).unwrap_err().to_string();
+            assert!(error.contains("needs --indirect vpl without --vpl-rays"), "{error}");
+        }
+        let error = planned("--indirect vpl --lookout-points 9").unwrap_err().to_string();
+        assert_eq!(error, "--lookout-points needs --visibility lookouts");
         let error = planned("--indirect vpl --spheres 9").unwrap_err().to_string();
         assert_eq!(error, "--spheres needs --visibility spheres");
         let error = planned("--indirect vpl --error-bound 0.1").unwrap_err().to_string();

@@ -53,5 +53,5 @@ pub(crate) use along_curve::nearby_order;
 pub use point_tile::PointTile;
 pub use scene_spheres::{FitStats, SceneSpheres, SphereSettings};
 pub use see_tile::{SeenLight, TileSight};
-pub(crate) use share_lookouts::{LookoutTile, SharedLookouts};
+pub(crate) use share_lookouts::{Alike, LookoutTile, SharedLookouts};
 pub use sphere_tree::SphereTree;

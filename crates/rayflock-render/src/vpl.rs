@@ -12,6 +12,7 @@
 //!                           -> PairVisibility: exact (engine: occluded), or none
 //!                           -> sums, cut off at the bound
 //!                 gather_past_spheres: the same without pairs, by `occluders`
+//!                 gather_from_lookouts: rays from one point for its neighbours, too
 //!                 gather_by_cuts: for many thousands of lights, by `lightcuts`
 //!                 or gather_chosen (`resample`): guessed visibility chooses few lights a point,
 //!                           -> exact visibility corrects the guess
@@ -27,10 +28,12 @@
 mod exact_visibility;
 mod gather;
 mod gather_by_cuts;
+mod gather_from_lookouts;
 mod gather_past_spheres;
 pub(crate) mod indirect;
 mod light_blocks;
 mod light_ways;
+mod lookout_cells;
 mod pair_visibility;
 mod resample;
 mod settings;
@@ -41,5 +44,5 @@ mod sphere_visibility;
 mod virtual_lights;
 
 pub use pair_visibility::{PairTile, PairVisibility, VisibilityStats};
-pub use settings::{ChosenBy, ChosenRays, Visibility, VplSettings};
+pub use settings::{ChosenBy, ChosenRays, LookoutSettings, Visibility, VplSettings};
 pub use virtual_lights::{Lobe, VirtualLight, VirtualLights};

@@ -2,7 +2,7 @@
 
 use rayflock::engine::EngineKind;
 use rayflock::render::occluders::SphereSettings;
-use rayflock::render::vpl::Visibility;
+use rayflock::render::vpl::{LookoutSettings, Visibility};
 use rayflock::render::{
     Film, FrameRenderer, FrameStats, Indirect, RenderError, RenderSettings, View, WhittedRenderer,
 };
@@ -26,12 +26,14 @@ pub(super) enum Way {
     Exact(EngineSpec),
     /// Past so many spheres.
     Spheres(usize),
+    /// By rays that so many points share.
+    Lookouts(usize),
 }
 
 /// A renderer that sees in one way, with what was measured of it.
 #[derive(Debug)]
 pub(super) struct Contestant {
-    /// `embree:best`, `auto`, `spheres:512`.
+    /// `embree:best`, `auto`, `spheres:512`, `lookouts:32`.
     pub(super) name: String,
     setting: String,
     renderer: WhittedRenderer,
@@ -71,6 +73,10 @@ impl Contestant {
             Way::Spheres(count) => {
                 let visibility = Visibility::Spheres(SphereSettings { count });
                 (format!("spheres:{count}"), visibility, EngineKind::Auto.into())
+            }
+            Way::Lookouts(points) => {
+                let visibility = Visibility::Lookouts(LookoutSettings { points });
+                (format!("lookouts:{points}"), visibility, EngineKind::Auto.into())
             }
         };
         let setting = match spec {

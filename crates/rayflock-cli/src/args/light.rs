@@ -32,8 +32,9 @@ pub(crate) struct LightArguments {
     pub(crate) vpls: Option<u32>,
 
     /// What points see of virtual lights: exact traces a shadow ray for each pair of both, spheres
-    /// asks spheres that stand for the geometry, several times sooner and nearly right, none
-    /// traces nothing and lets light leak through walls [default: exact].
+    /// asks spheres that stand for the geometry, several times sooner and nearly right, lookouts
+    /// traces a shadow ray for up to 32 neighbours at once, about as soon and nearer to what is
+    /// right, none traces nothing and lets light leak through walls [default: exact].
     #[arg(long, value_name = "NAME")]
     pub(crate) visibility: Option<VisibilityArgument>,
 
@@ -41,6 +42,11 @@ pub(crate) struct LightArguments {
     /// what is exact, and take longer [default: 512].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_048_576))]
     pub(crate) spheres: Option<u32>,
+
+    /// How many neighbours share a shadow ray at most, for --visibility lookouts, 1, 4, 16, 32 or
+    /// 64: fewer are nearer to what is exact, and take longer [default: 32].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) lookout_points: Option<u32>,
 
     /// The share of the light at a point that one virtual light may be wrong by as it speaks for
     /// others, for --indirect lightcuts, from 0 to 1 [default: 0.02].
@@ -126,6 +132,8 @@ pub(crate) enum VisibilityArgument {
     Exact,
     /// Past spheres that stand for geometry.
     Spheres,
+    /// A shadow ray for neighbours.
+    Lookouts,
     /// Everything.
     None,
 }

@@ -166,6 +166,7 @@ pub(super) fn beyond_device(indirect: &Indirect) -> Option<&'static str> {
         }
         Indirect::Vpl(lights) => match lights.visibility {
             Visibility::Spheres(_) | Visibility::None => None,
+            Visibility::Lookouts(_) => Some("light from virtual lights seen from lookouts"),
             _ => Some("light from virtual lights with exact visibility"),
         },
         _ => Some("light from clusters of virtual lights"),
@@ -175,7 +176,7 @@ pub(super) fn beyond_device(indirect: &Indirect) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use rayflock_render::occluders::SphereSettings;
-    use rayflock_render::vpl::{ChosenBy, ChosenRays};
+    use rayflock_render::vpl::{ChosenBy, ChosenRays, LookoutSettings};
 
     use super::*;
 
@@ -183,6 +184,7 @@ mod tests {
     fn what_needs_rays_or_clusters_is_beyond_the_device() {
         let of = |visibility| VplSettings { visibility, ..VplSettings::default() };
         let spheres = of(Visibility::Spheres(SphereSettings::default()));
+        let lookouts = of(Visibility::Lookouts(LookoutSettings::default()));
         let chosen = Some(ChosenRays { count: 2, by: ChosenBy::Weight });
         let lights = [spheres, of(Visibility::None)].map(Indirect::Vpl);
         for indirect in lights.iter().chain([&Indirect::Off]) {
@@ -190,6 +192,7 @@ mod tests {
         }
         for (indirect, reason) in [
             (Indirect::Vpl(of(Visibility::Exact)), "exact visibility"),
+            (Indirect::Vpl(lookouts), "lookouts"),
             (Indirect::Vpl(VplSettings { chosen, ..spheres }), "chosen rays"),
             (Indirect::Lightcuts { lights: spheres, error_bound: 0.02 }, "clusters"),
         ] {

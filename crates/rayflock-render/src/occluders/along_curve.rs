@@ -41,6 +41,12 @@ pub(super) fn cluster_quickly(
 
 /// Sorts points along a Hilbert curve.
 pub(super) fn sort_along_curve(points: &mut [WeightedPoint]) {
+    place_on_curve(points);
+    points.sort_unstable_by_key(|point| (point.code, point.idx));
+}
+
+/// Makes the codes of points their places along a Hilbert curve, `3 * MOST_BITS` bits.
+pub(super) fn place_on_curve(points: &mut [WeightedPoint]) {
     let bounds = Aabb::around(points.iter().map(|point| point.position));
     let scale = (1 << MOST_BITS) as f32 / bounds.size().max_element();
     let scale = if scale.is_finite() { scale } else { 0.0 };
@@ -57,7 +63,6 @@ pub(super) fn sort_along_curve(points: &mut [WeightedPoint]) {
         });
         points.iter_mut().zip(codes).for_each(|(point, code)| point.code = code);
     }
-    points.sort_unstable_by_key(|point| (point.code, point.idx));
 }
 
 /// The places of `positions` in an order in which neighbours are close.

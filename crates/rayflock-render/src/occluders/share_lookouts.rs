@@ -22,19 +22,27 @@
 use glam::Vec3;
 use rayflock_geom::simd::LANES;
 
-use super::along_curve::sort_along_curve;
+use super::along_curve::place_on_curve;
 use super::cluster::WeightedPoint;
 use super::point_tile::PointTile;
 use super::see_tile::SeenLight;
 
 /// How many points share a lookout.
-const SIZES: [usize; 3] = [16, 4, 1];
+const SIZES: [usize; 5] = [64, 32, 16, 4, 1];
 
 /// Lookouts of a tile, by how many points share one.
-const TILE_LOOKOUTS: [usize; 3] = [64, 64, 256];
+const TILE_LOOKOUTS: [usize; 5] = [32, 32, 64, 64, 256];
 
-/// Unit normals of points that share a lookout lie within this distance of their mean.
-const SPREAD: f32 = 0.3;
+/// What points have in common that share a lookout.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Alike {
+    /// So many share one at most.
+    pub(crate) most: usize,
+    /// They lie within this distance of their middle.
+    pub(crate) reach: f32,
+    /// Their unit normals lie within this distance of their mean.
+    pub(crate) spread: f32,
+}
 
 /// Stands for no point.
 const NO_POINT: u32 = u32::MAX;
@@ -44,7 +52,7 @@ const NO_POINT: u32 = u32::MAX;
 pub(crate) struct SharedLookouts {
     sorted: Vec<WeightedPoint>,
     /// Places of the points, lookout by lookout, for each size.
-    members: [Vec<u32>; 3],
+    members: [Vec<u32>; SIZES.len()],
     tile: LookoutTile,
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
@@ -74,15 +82,15 @@ pub(super) struct Apart {
 
 impl SharedLookouts {
     /// Shares out points with unit normals, as many of each; calls `each` with tiles that hold
-    /// every point once. Points lie within `reach` of their lookout.
+    /// every point once. Those that share a lookout are `alike`.
     pub(crate) fn for_each_tile(
         &mut self,
         positions: &[Vec3],
         normals: &[Vec3],
-        reach: f32,
+        alike: Alike,
         mut each: impl FnMut(&LookoutTile),
     ) {
-        self.share(positions, normals, reach);
+        self.share(positions, normals, alike);
         let Self { members, tile, positions: lookouts, normals: facing, .. } = self;
         for ((members, size), lookout_count) in members.iter().zip(SIZES).zip(TILE_LOOKOUTS) {
             for members in members.chunks(size * lookout_count) {
@@ -106,16 +114,23 @@ impl SharedLookouts {
     }
 
     /// Finds out who shares with whom, the largest groups first.
-    fn share(&mut self, positions: &[Vec3], normals: &[Vec3], reach: f32) {
+    fn share(&mut self, positions: &[Vec3], normals: &[Vec3], alike: Alike) {
         let point = |(idx, &position)| WeightedPoint::at(position, idx);
         self.sorted.clear();
         self.sorted.extend((0_u32..).zip(positions).map(point));
-        sort_along_curve(&mut self.sorted);
+        place_on_curve(&mut self.sorted);
+        // What faces the same way follows each other: neighbours on an edge or a figure would not
+        // find sixteen in a row that do.
+        for point in &mut self.sorted {
+            point.code = (side(normals[point.idx as usize]) << 29) | (point.code >> 1);
+        }
+        self.sorted.sort_unstable_by_key(|point| (point.code, point.idx));
         self.members.iter_mut().for_each(Vec::clear);
         let mut rest = &self.sorted[..];
         while !rest.is_empty() {
             let sees_alike = |&size: &usize| {
-                size == 1 || rest.get(..size).is_some_and(|group| is_tight(group, normals, reach))
+                let group = rest.get(..size).filter(|_| size <= alike.most);
+                size == 1 || group.is_some_and(|group| is_tight(group, normals, alike))
             };
             let choice = SIZES.iter().position(sees_alike).unwrap_or(SIZES.len() - 1);
             let (group, others) = rest.split_at(SIZES[choice]);
@@ -125,8 +140,15 @@ impl SharedLookouts {
     }
 }
 
-/// Whether points lie within `reach` of their middle and face about the same way.
-fn is_tight(group: &[WeightedPoint], normals: &[Vec3], reach: f32) -> bool {
+/// The side of a cube that a normal goes through, below 6.
+fn side(normal: Vec3) -> u32 {
+    let axis = normal.abs().max_position();
+    2 * axis as u32 + u32::from(normal[axis] < 0.0)
+}
+
+/// Whether points lie close to their middle and face about the same way.
+fn is_tight(group: &[WeightedPoint], normals: &[Vec3], alike: Alike) -> bool {
+    let Alike { reach, spread, .. } = alike;
     let normal = |point: &WeightedPoint| normals[point.idx as usize];
     // Most that are not tight show that at their ends.
     if let [first, .., last] = group
@@ -139,7 +161,7 @@ fn is_tight(group: &[WeightedPoint], normals: &[Vec3], reach: f32) -> bool {
     let axis = group.iter().map(normal).sum::<Vec3>() * scale;
     group.iter().all(|point| {
         point.position.distance_squared(middle) <= reach * reach
-            && normal(point).distance_squared(axis) <= SPREAD * SPREAD
+            && normal(point).distance_squared(axis) <= spread * spread
     })
 }
 
@@ -191,6 +213,7 @@ mod tests {
         #[test]
         fn every_point_has_one_lookout_within_reach(
             cells in prop::collection::vec((0..60_i16, 0..60_i16, any::<bool>()), 0..700),
+            most in prop::sample::select(&SIZES[..]),
         ) {
             const REACH: f32 = 0.1;
             let at = |&(x, y, is_up): &(i16, i16, bool)| {
@@ -202,7 +225,9 @@ mod tests {
                 cells.iter().map(|cell| if cell.2 { Vec3::X } else { Vec3::Y }).collect();
             let mut found = vec![0; cells.len()];
             let mut sizes = Vec::new();
-            SharedLookouts::default().for_each_tile(&positions, &normals, REACH, |tile| {
+            let alike = Alike { most, reach: REACH, spread: 0.3 };
+            SharedLookouts::default().for_each_tile(&positions, &normals, alike, |tile| {
+                assert!(tile.per_lookout <= most);
                 sizes.push(tile.per_lookout);
                 let per_cell = tile.blocks.chunks(tile.per_lookout);
                 for (blocks, (lookouts, _)) in per_cell.zip(tile.lookouts.blocks()) {
@@ -222,12 +247,26 @@ mod tests {
     }
 
     #[test]
+    fn sides_that_take_turns_do_not_keep_points_from_sharing() {
+        let at = |i: u16| Vec3::new(f32::from(i), 0.0, 0.0) / 1024.0;
+        let positions: Vec<_> = (0..1024).map(at).collect();
+        let normals: Vec<_> = [Vec3::Y, Vec3::Z].into_iter().cycle().take(1024).collect();
+        let alike = Alike { most: 64, reach: 0.1, spread: 0.3 };
+        let mut lookouts = 0;
+        SharedLookouts::default().for_each_tile(&positions, &normals, alike, |tile| {
+            lookouts += tile.lookouts.len();
+        });
+        assert_eq!(lookouts, 1024 / 64);
+    }
+
+    #[test]
     fn a_dense_floor_needs_few_lookouts() {
         let at = |i: u16| Vec3::new(f32::from(i % 64), 0.0, f32::from(i / 64)) / 64.0;
         let positions: Vec<_> = (0..4096).map(at).collect();
         let mut lookouts = 0;
         let normals = vec![Vec3::Y; positions.len()];
-        SharedLookouts::default().for_each_tile(&positions, &normals, 0.06, |tile| {
+        let alike = Alike { most: 16, reach: 0.06, spread: 0.3 };
+        SharedLookouts::default().for_each_tile(&positions, &normals, alike, |tile| {
             lookouts += tile.lookouts.len();
         });
         assert!(lookouts < 300, "{lookouts} lookouts");

@@ -28,12 +28,16 @@ use super::light_ways::NearLight;
 use super::sphere_visibility::DISTANCE;
 use super::{VirtualLights, VisibilityStats};
 use crate::occluders::{
-    LookoutTile, SeenLight, SharedLookouts, SphereTree, TileSight, nearby_order,
+    Alike, LookoutTile, SeenLight, SharedLookouts, SphereTree, TileSight, nearby_order,
 };
 use crate::wave::{Contribution, LitPoint, ShadedRun};
 
 /// Lights of a group.
 const GROUP_LIGHTS: usize = 16;
+
+/// Points share a lookout if so many are close, and unit normals within this distance of their mean.
+const MOST_SHARING: usize = 16;
+const SPREAD: f32 = 0.3;
 
 /// Lights in an order in which neighbours are close, or alike in direction.
 #[derive(Debug, Default)]
@@ -60,6 +64,35 @@ impl GroupedLights {
                 .into_iter()
                 .map(|idx| distant.start + idx),
         );
+    }
+
+    /// Number of lights.
+    pub(super) const fn len(&self) -> usize {
+        self.near.len() + self.distant.len()
+    }
+
+    /// How many of them, the first, are not distant.
+    pub(super) const fn near_count(&self) -> usize {
+        self.near.len()
+    }
+
+    /// The place in `lights` of light `light_idx`, if it is distant.
+    pub(super) fn distant(&self, light_idx: usize) -> Option<usize> {
+        self.distant.get(light_idx.checked_sub(self.near.len())?).copied()
+    }
+
+    /// Light `light_idx`; a distant one is placed as in [`NearLight::new`].
+    #[inline]
+    pub(super) fn placed(
+        &self,
+        lights: &VirtualLights,
+        light_idx: usize,
+        place: (Vec3, f32),
+    ) -> NearLight {
+        match self.distant(light_idx) {
+            Some(idx) => NearLight::new(lights, idx, place),
+            None => self.near[light_idx],
+        }
     }
 
     /// Bytes held.
@@ -145,9 +178,11 @@ impl AllLights<'_> {
         );
         let tests_before = of_tile.sight.tests();
         let mut stats = GatherStats::default();
-        sharing.for_each_tile(positions, normals, self.tree.reach_of_lookouts(), |tile| {
+        let reach = self.tree.reach_of_lookouts();
+        let alike = Alike { most: MOST_SHARING, reach, spread: SPREAD };
+        sharing.for_each_tile(positions, normals, alike, |tile| {
             self.gather_tile(tile, points, of_tile);
-            of_tile.collect(tile, points, lit, &mut stats);
+            hand_out((&of_tile.blocks, &tile.blocks), points, lit, &mut stats);
         });
         stats.visibility = VisibilityStats {
             pairs: (points.len() * self.lights.len()) as u64,
@@ -206,28 +241,25 @@ impl TileWorkspace {
             add_group(simd, (tile.per_lookout, cell_count), group, shares, bound, blocks);
         });
     }
+}
 
-    /// Hands out what came to the points of a tile.
-    fn collect(
-        &self,
-        tile: &LookoutTile,
-        points: &[LitPoint],
-        lit: &mut [Contribution],
-        stats: &mut GatherStats,
-    ) {
-        for (block, members) in self.blocks.iter().zip(&tile.blocks) {
-            let mut lane = 0;
-            for &point_idx in members {
-                let Some(point) = points.get(point_idx as usize) else { continue };
-                let (radiance, lost) = block.radiance(lane, point);
-                lane += 1;
-                let sum = radiance.element_sum();
-                if sum.is_finite() {
-                    stats.gathered += f64::from(sum);
-                    stats.lost += f64::from(lost);
-                }
-                lit[point_idx as usize].radiance = radiance;
+/// Hands out what came to the points of blocks, and adds it up; `members` are their places.
+pub(super) fn hand_out(
+    (blocks, members): (&[LitBlock], &[[u32; LANES]]),
+    points: &[LitPoint],
+    lit: &mut [Contribution],
+    stats: &mut GatherStats,
+) {
+    for (block, members) in blocks.iter().zip(members) {
+        for (lane, &point_idx) in members.iter().enumerate() {
+            let Some(point) = points.get(point_idx as usize) else { continue };
+            let (radiance, lost) = block.radiance(lane, point);
+            let sum = radiance.element_sum();
+            if sum.is_finite() {
+                stats.gathered += f64::from(sum);
+                stats.lost += f64::from(lost);
             }
+            lit[point_idx as usize].radiance = radiance;
         }
     }
 }

@@ -8,6 +8,7 @@ use rayflock_scene::{Background, LightKind};
 use super::exact_visibility::{ExactVisibility, RayBuffers};
 use super::gather::{GatherBuffers, GatherStats, gather};
 use super::gather_by_cuts::CutGatherer;
+use super::gather_from_lookouts::{LookoutGatherer, SeenLights};
 use super::gather_past_spheres::{GroupedLights, gather_past_spheres};
 use super::resample::{Eyes, gather_chosen};
 use super::shoot::{ShootBuffers, shoot};
@@ -39,6 +40,7 @@ pub(crate) struct IndirectLight {
     /// No spheres, for light that nothing is in the way of.
     open_air: SphereTree,
     grouped: GroupedLights,
+    lookouts: LookoutGatherer,
     cuts: CutGatherer,
 }
 
@@ -192,6 +194,12 @@ impl IndirectLight {
                 stats.add_traced(Stage::Indirect, exact.traced);
                 gathered
             }
+            (Visibility::Lookouts(settings), _) => {
+                let seen = SeenLights { lights, grouped: &self.grouped, bound };
+                let (gathered, traced) = self.lookouts.gather(engine, seen, settings, runs);
+                stats.add_traced(Stage::Indirect, traced);
+                gathered
+            }
             _ => {
                 self.open_air.build(&[], &[]);
                 gather_past_spheres(lights, &self.grouped, &self.open_air, bound, runs)
@@ -239,7 +247,7 @@ impl IndirectLight {
             (Visibility::Spheres(_), Some(spheres)) => {
                 cutter.gather(lights, &mut PastSpheres::new(spheres.scene.tree()), runs)
             }
-            (Visibility::Exact, _) => {
+            (Visibility::Exact | Visibility::Lookouts(_), _) => {
                 let mut exact = Exact::new(engine);
                 let gathered = cutter.gather(lights, &mut exact, runs);
                 stats.add_traced(Stage::Indirect, exact.traced);
@@ -259,6 +267,7 @@ impl IndirectLight {
             + self.rays.memory_usage()
             + self.spheres.as_ref().map_or(0, |spheres| spheres.scene.memory_usage())
             + self.grouped.memory_usage()
+            + self.lookouts.memory_usage()
             + self.cuts.memory_usage()
     }
 }

@@ -23,7 +23,7 @@ use rayflock_geom::simd::segment_spheres::PointBlock;
 use rayflock_geom::simd::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16};
 
 use super::light_ways::{FAINT, NearLight, Viewed, Way};
-use crate::triple::{Triple, dot, load, store};
+use crate::triple::{Triple, dot, load, splat, store};
 use crate::wave::LitPoint;
 
 /// Sixteen points, and what has come to them.
@@ -92,6 +92,26 @@ impl LitBlock {
             block.is_shiny |= point.specular != Vec3::ZERO;
         }
         block
+    }
+
+    /// Position of the point of a lane.
+    #[inline]
+    pub(super) fn position(&self, lane: usize) -> Vec3 {
+        Vec3::from(self.points.position.map(|column| column[lane]))
+    }
+
+    /// Which lanes face a light that faces them, the first as the lowest bit.
+    #[inline(always)]
+    pub(super) fn facing<S: Simd>(&self, simd: S, light: &NearLight) -> u32 {
+        let zero = f32x16::splat(simd, 0.0);
+        let end = splat(simd, light.position);
+        let position = load(simd, &self.points.position);
+        let offset = [end[0] - position[0], end[1] - position[1], end[2] - position[2]];
+        let mut faces = dot(&offset, &load(simd, &self.points.normal)).simd_gt(zero);
+        if light.evenness <= 0.0 {
+            faces &= dot(&offset, &splat(simd, light.normal)).simd_lt(zero);
+        }
+        faces.to_bitmask() as u32
     }
 
     /// The radiance that `point`, which is that of a lane, sends back, and the sum of the colours

@@ -10,7 +10,7 @@ use crate::size::Size;
 const EXAMPLES: &str = "\
 How it is measured:
   The same virtual lights are gathered at the same points by each engine, with a shadow ray for each
-  pair, and past each number of spheres; all take turns, frame by frame and run by run. A frame's
+  pair, past each number of spheres, and with a shadow ray for so many neighbours; all take turns, frame by frame and run by run. A frame's
   times are medians over the runs, means over the frames. Fit is to bring spheres to where the
   geometry is, coming from the frame before; gather is visibility and shading; everything else is
   the same for all and left out. Pictures are compared with those of the first engine: mean FLIP
@@ -19,6 +19,7 @@ How it is measured:
 Examples:
   rayflock bench spheres builtin:cornell
   rayflock bench spheres builtin:crowd --spheres 128,512,2048 --html crowd.html
+  rayflock bench spheres builtin:crowd --lookouts 16,32,64
   rayflock bench spheres fox.glb --engines auto --vpls 256 --size 160x120
 
 Exit codes: 0 done; 1 the output failed; 2 arguments or input are wrong.";
@@ -35,6 +36,12 @@ pub(crate) struct BenchSpheresArguments {
     #[arg(long, value_name = "NUMBERS", value_delimiter = ',', default_value = "64,128,256,512,1024",
           value_parser = clap::value_parser!(u32).range(1..=1_048_576))]
     pub(crate) spheres: Vec<u32>,
+
+    /// How many neighbours share a shadow ray, numbers separated by commas: 1, 4, 16, 32, 64
+    /// [default: none is measured].
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',',
+          value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) lookouts: Vec<u32>,
 
     /// About how many virtual lights there are.
     #[arg(long, value_name = "N", default_value_t = 512,

@@ -42,6 +42,7 @@ fn define(args: &BenchSpheresArguments, input: &MovingInput) -> SpheresBench {
         engines: args.engines.engines.clone(),
         library: None,
         sphere_counts: args.spheres.iter().map(|&count| count as usize).collect(),
+        lookout_points: args.lookouts.iter().map(|&points| points as usize).collect(),
         light_count: args.vpls,
         frames: input.frames.clone(),
         frame_rate: input.frame_rate,
