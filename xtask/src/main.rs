@@ -37,8 +37,8 @@ commands:
   embree  fetch the library Embree, which benchmarks and some tests want
   python  make the Python with which the package rayflock is tested
   fuzz [--minutes N | --executions N] [TARGET]...
-          have libFuzzer look for files that break the parsers: a quarter of a minute each, for N, or with
-          so many files
+          have libFuzzer look for files that break the parsers: a quarter of a minute each, for N, or
+          with so many files
   test    format, lints, all tests, documentation and the invariants: what CI runs
   perf-check [--update]
           count the instructions of kernels and engines under valgrind; fails when one grew by more

@@ -3,10 +3,11 @@
 //!
 //! For each run and frame, all ways to see take turns: each first gets the frame before and makes a
 //! tiny picture of it, unmeasured, so that fitting is that of a playing animation; then it renders
-//! the frame. Points that share lookouts see through the engine `auto`. What is measured is gathering, and fitting where there are spheres; shooting, direct
-//! light and everything else is the same for all and left out, and so is `commit` of the engines,
-//! which only exact visibility needs. What an engine spends on the layout of a foreign library is
-//! taken off, as said in [`TraceStats`](rayflock::engine::TraceStats::conversion_ns).
+//! the frame. Points that share lookouts see through the engine `auto`. What is measured is
+//! gathering, and fitting where there are spheres; shooting, direct light and everything else is the
+//! same for all and left out, and so is `commit` of the engines, which only rays need. What an
+//! engine spends on the layout of a foreign library is taken off, as said in
+//! [`TraceStats`](rayflock::engine::TraceStats::conversion_ns).
 //!
 //! Pictures are compared with that of the first exact way: mean FLIP of the pictures as they are
 //! shown, and root mean squared error of the radiance relative to its root mean square

@@ -72,43 +72,32 @@ fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
     match (kind, class) {
         (EngineKind::Brute, _) => Coefficients { fixed: 5_000.0, test: 0.2, ..NOTHING },
         (EngineKind::Bvh, SharedOriginImage) => {
-            Coefficients { fixed: 80_000.0, fresh_prim: 13.5, ray_level: 6.5, ..NOTHING }
+            Coefficients { near_prim: 11.9, fresh_prim: 16.5, ray: 2.9, ray_level: 3.4, ..NOTHING }
         }
-        (EngineKind::Bvh, SharedOrigin | SharedDirection) => {
-            Coefficients { fixed: 80_000.0, fresh_prim: 13.5, ray_level: 7.0, ..NOTHING }
+        (EngineKind::Bvh, SharedOrigin) => {
+            Coefficients { near_prim: 7.1, fresh_prim: 15.9, ray_level: 6.2, ..NOTHING }
+        }
+        (EngineKind::Bvh, SharedDirection) => {
+            Coefficients { near_prim: 13.8, fresh_prim: 14.7, ray_level: 5.2, ..NOTHING }
         }
         (EngineKind::Bvh, Ordered) => {
-            Coefficients { fixed: 80_000.0, fresh_prim: 13.5, ray_level: 9.0, ..NOTHING }
+            Coefficients { near_prim: 15.1, fresh_prim: 15.3, ray_level: 8.2, ..NOTHING }
         }
-        (EngineKind::Bvh, Unordered) => Coefficients {
-            fixed: 50_000.0,
-            fresh_prim: 13.5,
-            ray: 10.0,
-            ray_level: 23.0,
-            ..NOTHING
-        },
-        (EngineKind::Hierarchy, SharedOriginImage) => Coefficients {
-            fixed: 250_000.0,
-            prim: 2.8,
-            near_prim: 9.0,
-            ray: 10.0,
-            ray_level: 4.0,
-            ..NOTHING
-        },
-        (EngineKind::Hierarchy, SharedOrigin) => Coefficients {
-            fixed: 600_000.0,
-            prim: 9.1,
-            near_prim: 42.0,
-            ray: 10.0,
-            ray_level: 2.0,
-            ..NOTHING
-        },
+        (EngineKind::Bvh, Unordered) => {
+            Coefficients { near_prim: 5.0, fresh_prim: 15.3, ray_level: 16.4, ..NOTHING }
+        }
+        (EngineKind::Hierarchy, SharedOriginImage) => {
+            Coefficients { fixed: 78_000.0, prim: 3.0, near_prim: 16.5, ray_level: 3.7, ..NOTHING }
+        }
+        (EngineKind::Hierarchy, SharedOrigin) => {
+            Coefficients { prim: 11.8, near_prim: 35.5, ray: 13.7, ray_level: 2.9, ..NOTHING }
+        }
         (EngineKind::Hierarchy, SharedDirection) => Coefficients {
-            fixed: 500_000.0,
-            prim: 5.8,
-            near_prim: 25.0,
-            ray: 20.0,
-            ray_level: 1.5,
+            fixed: 168_000.0,
+            prim: 6.7,
+            near_prim: 24.4,
+            ray: 13.5,
+            ray_level: 3.2,
             ..NOTHING
         },
         (EngineKind::Hierarchy, Ordered | Unordered) => {

@@ -10,11 +10,12 @@ use crate::size::Size;
 const EXAMPLES: &str = "\
 How it is measured:
   The same virtual lights are gathered at the same points by each engine, with a shadow ray for each
-  pair, past each number of spheres, and with a shadow ray for so many neighbours; all take turns, frame by frame and run by run. A frame's
-  times are medians over the runs, means over the frames. Fit is to bring spheres to where the
-  geometry is, coming from the frame before; gather is visibility and shading; everything else is
-  the same for all and left out. Pictures are compared with those of the first engine: mean FLIP
-  from 0 to 1 (below 0.05 is hard to see), and relative root mean squared error.
+  pair, past each number of spheres, and with a shadow ray for so many neighbours; all take turns,
+  frame by frame and run by run. A frame's times are medians over the runs, means over the frames.
+  Fit is to bring spheres to where the geometry is, coming from the frame before; gather is
+  visibility and shading; everything else is the same for all and left out. Pictures are compared
+  with those of the first engine: mean FLIP from 0 to 1 (below 0.05 is hard to see), and relative
+  root mean squared error.
 
 Examples:
   rayflock bench spheres builtin:cornell
