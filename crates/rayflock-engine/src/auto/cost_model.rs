@@ -3,7 +3,7 @@
 //! For each kind of situation and member stands the ratio of measured to shipped time. In a
 //! situation that a member never met, its ratio is guessed: from that of the other members there,
 //! for a machine that is slow or a view that is mostly empty is so for all of them, and from its
-//! own ratio in the situation most alike, the less the farther that is. Half of that guess counts:
+//! own ratio in the situation most alike, the less the farther that is. Seven tenths of it count:
 //! an engine that might be the best is tried a few times. A ratio that is not measured again sinks
 //! slowly, so that one bad moment of the machine does not rule an engine out for good.
 //!
@@ -16,7 +16,7 @@ use super::prior;
 use super::situation::{Frame, Situation, SituationKey};
 
 /// How eager the model is to try what it does not know.
-const OPTIMISM: f32 = 0.5;
+const OPTIMISM: f32 = 0.7;
 
 /// How far one measurement moves a ratio.
 const STEP: f32 = 0.3;
