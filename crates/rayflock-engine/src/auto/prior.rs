@@ -71,27 +71,53 @@ fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
     use RayClass::{Ordered, SharedDirection, SharedOrigin, SharedOriginImage, Unordered};
     match (kind, class) {
         (EngineKind::Brute, _) => Coefficients { fixed: 5_000.0, test: 0.2, ..NOTHING },
-        (EngineKind::Bvh, SharedOriginImage) => {
-            Coefficients { near_prim: 11.9, fresh_prim: 16.5, ray: 2.9, ray_level: 3.4, ..NOTHING }
-        }
-        (EngineKind::Bvh, SharedOrigin) => {
-            Coefficients { near_prim: 7.1, fresh_prim: 15.9, ray_level: 6.2, ..NOTHING }
-        }
-        (EngineKind::Bvh, SharedDirection) => {
-            Coefficients { near_prim: 13.8, fresh_prim: 14.7, ray_level: 5.2, ..NOTHING }
-        }
-        (EngineKind::Bvh, Ordered) => {
-            Coefficients { near_prim: 15.1, fresh_prim: 15.3, ray_level: 8.2, ..NOTHING }
-        }
-        (EngineKind::Bvh, Unordered) => {
-            Coefficients { near_prim: 5.0, fresh_prim: 15.3, ray_level: 16.4, ..NOTHING }
-        }
+        (EngineKind::Bvh, SharedOriginImage) => Coefficients {
+            fixed: 20_000.0,
+            near_prim: 11.9,
+            fresh_prim: 16.5,
+            ray: 2.9,
+            ray_level: 3.4,
+            ..NOTHING
+        },
+        (EngineKind::Bvh, SharedOrigin) => Coefficients {
+            fixed: 20_000.0,
+            near_prim: 7.1,
+            fresh_prim: 15.9,
+            ray_level: 6.2,
+            ..NOTHING
+        },
+        (EngineKind::Bvh, SharedDirection) => Coefficients {
+            fixed: 20_000.0,
+            near_prim: 13.8,
+            fresh_prim: 14.7,
+            ray_level: 5.2,
+            ..NOTHING
+        },
+        (EngineKind::Bvh, Ordered) => Coefficients {
+            fixed: 20_000.0,
+            near_prim: 15.1,
+            fresh_prim: 15.3,
+            ray_level: 8.2,
+            ..NOTHING
+        },
+        (EngineKind::Bvh, Unordered) => Coefficients {
+            fixed: 20_000.0,
+            near_prim: 5.0,
+            fresh_prim: 15.3,
+            ray_level: 16.4,
+            ..NOTHING
+        },
         (EngineKind::Hierarchy, SharedOriginImage) => {
             Coefficients { fixed: 78_000.0, prim: 3.0, near_prim: 16.5, ray_level: 3.7, ..NOTHING }
         }
-        (EngineKind::Hierarchy, SharedOrigin) => {
-            Coefficients { prim: 11.8, near_prim: 35.5, ray: 13.7, ray_level: 2.9, ..NOTHING }
-        }
+        (EngineKind::Hierarchy, SharedOrigin) => Coefficients {
+            fixed: 60_000.0,
+            prim: 11.8,
+            near_prim: 35.5,
+            ray: 13.7,
+            ray_level: 2.9,
+            ..NOTHING
+        },
         (EngineKind::Hierarchy, SharedDirection) => Coefficients {
             fixed: 168_000.0,
             prim: 6.7,
