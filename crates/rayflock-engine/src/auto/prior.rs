@@ -68,68 +68,11 @@ pub(super) fn commit_ns(kind: EngineKind, frame: &Frame) -> f32 {
 }
 
 fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
-    use RayClass::{Ordered, SharedDirection, SharedOrigin, SharedOriginImage, Unordered};
-    match (kind, class) {
-        (EngineKind::Brute, _) => Coefficients { fixed: 5_000.0, test: 0.2, ..NOTHING },
-        (EngineKind::Bvh, SharedOriginImage) => Coefficients {
-            fixed: 20_000.0,
-            near_prim: 11.9,
-            fresh_prim: 16.5,
-            ray: 2.9,
-            ray_level: 3.4,
-            ..NOTHING
-        },
-        (EngineKind::Bvh, SharedOrigin) => Coefficients {
-            fixed: 20_000.0,
-            near_prim: 7.1,
-            fresh_prim: 15.9,
-            ray_level: 6.2,
-            ..NOTHING
-        },
-        (EngineKind::Bvh, SharedDirection) => Coefficients {
-            fixed: 20_000.0,
-            near_prim: 13.8,
-            fresh_prim: 14.7,
-            ray_level: 5.2,
-            ..NOTHING
-        },
-        (EngineKind::Bvh, Ordered) => Coefficients {
-            fixed: 20_000.0,
-            near_prim: 15.1,
-            fresh_prim: 15.3,
-            ray_level: 8.2,
-            ..NOTHING
-        },
-        (EngineKind::Bvh, Unordered) => Coefficients {
-            fixed: 20_000.0,
-            near_prim: 5.0,
-            fresh_prim: 15.3,
-            ray_level: 16.4,
-            ..NOTHING
-        },
-        (EngineKind::Hierarchy, SharedOriginImage) => {
-            Coefficients { fixed: 78_000.0, prim: 3.0, near_prim: 16.5, ray_level: 3.7, ..NOTHING }
-        }
-        (EngineKind::Hierarchy, SharedOrigin) => Coefficients {
-            fixed: 60_000.0,
-            prim: 11.8,
-            near_prim: 35.5,
-            ray: 13.7,
-            ray_level: 2.9,
-            ..NOTHING
-        },
-        (EngineKind::Hierarchy, SharedDirection) => Coefficients {
-            fixed: 168_000.0,
-            prim: 6.7,
-            near_prim: 24.4,
-            ray: 13.5,
-            ray_level: 3.2,
-            ..NOTHING
-        },
-        (EngineKind::Hierarchy, Ordered | Unordered) => {
-            Coefficients { fixed: 100_000.0, prim: 20.0, ray: 300.0, test: 0.15, ..NOTHING }
-        }
-        (EngineKind::Subfields, SharedDirection) => Coefficients {
+    match kind {
+        EngineKind::Brute => Coefficients { fixed: 5_000.0, test: 0.2, ..NOTHING },
+        EngineKind::Bvh => of_bvh(class),
+        EngineKind::Hierarchy => of_hierarchy(class),
+        EngineKind::Subfields if class == RayClass::SharedDirection => Coefficients {
             fixed: 100_000.0,
             moved_prim: 45.0,
             ray: 15.0,
@@ -137,9 +80,36 @@ fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
             ..NOTHING
         },
         // A subfield for each of many directions never pays.
-        (EngineKind::Subfields, SharedOriginImage | SharedOrigin | Ordered | Unordered) => {
-            Coefficients { fixed: NEVER, ..NOTHING }
-        }
-        (EngineKind::Auto, _) => NOTHING,
+        EngineKind::Subfields => Coefficients { fixed: NEVER, ..NOTHING },
+        EngineKind::Auto => NOTHING,
     }
+}
+
+fn of_bvh(class: RayClass) -> Coefficients {
+    let [near_prim, fresh_prim, ray, ray_level] = match class {
+        RayClass::SharedOriginImage => [11.9, 16.5, 2.9, 3.4],
+        RayClass::SharedOrigin => [7.1, 15.9, 0.0, 6.2],
+        RayClass::SharedDirection => [13.8, 14.7, 0.0, 5.2],
+        RayClass::Ordered => [15.1, 15.3, 0.0, 8.2],
+        RayClass::Unordered => [5.0, 15.3, 0.0, 16.4],
+    };
+    Coefficients { fixed: 20_000.0, near_prim, fresh_prim, ray, ray_level, ..NOTHING }
+}
+
+fn of_hierarchy(class: RayClass) -> Coefficients {
+    let [fixed, prim, near_prim, ray, ray_level] = match class {
+        RayClass::SharedOriginImage => [78_000.0, 3.0, 16.5, 0.0, 3.7],
+        RayClass::SharedOrigin => [60_000.0, 11.8, 35.5, 13.7, 2.9],
+        RayClass::SharedDirection => [168_000.0, 6.7, 24.4, 13.5, 3.2],
+        RayClass::Ordered | RayClass::Unordered => {
+            return Coefficients {
+                fixed: 100_000.0,
+                prim: 20.0,
+                ray: 300.0,
+                test: 0.15,
+                ..NOTHING
+            };
+        }
+    };
+    Coefficients { fixed, prim, near_prim, ray, ray_level, ..NOTHING }
 }
