@@ -157,6 +157,8 @@ impl BvhEngine {
             return TraceStats::default();
         }
         let update_ns = self.build_fresh();
+        self.fresh.order.serve(rays.len());
+        self.kept.order.serve(rays.len());
         let asked = BlockQuestion {
             table: &self.table,
             batch: rays,
