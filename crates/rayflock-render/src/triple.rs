@@ -1,7 +1,10 @@
 //! Three columns of sixteen lanes: points, directions or colours at work.
 
+use bytemuck::NoUninit;
 use glam::Vec3;
-use rayflock_geom::simd::{Lanes, Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
+use rayflock_geom::simd::{
+    LANES, Lanes, Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16, point_columns,
+};
 
 /// x, y and z, or the three colours, of sixteen lanes.
 pub(crate) type Triple<S> = [f32x16<S>; 3];
@@ -10,6 +13,22 @@ pub(crate) type Triple<S> = [f32x16<S>; 3];
 pub(crate) fn load<S: Simd>(simd: S, columns: &[Lanes; 3]) -> Triple<S> {
     let load = f32x16::from_slice;
     [load(simd, &columns[0]), load(simd, &columns[1]), load(simd, &columns[2])]
+}
+
+/// The three columns that begin `offset` bytes into each of sixteen rows.
+///
+/// # Panics
+/// When no fourth scalar follows them in the row.
+#[inline(always)]
+pub(crate) fn columns_at<S: Simd, R: NoUninit>(
+    simd: S,
+    rows: &[R; LANES],
+    offset: usize,
+) -> Triple<S> {
+    let scalars: &[f32] = bytemuck::cast_slice(rows);
+    let size = size_of::<f32>();
+    let columns = point_columns(simd, &scalars[offset / size..], size_of::<R>() / size);
+    columns.expect("sixteen rows, and a scalar after the columns of the last")
 }
 
 #[inline(always)]

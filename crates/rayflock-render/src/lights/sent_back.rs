@@ -17,14 +17,13 @@ use std::mem::offset_of;
 use bytemuck::Zeroable;
 use glam::Vec3;
 use rayflock_geom::simd::power::power;
-use rayflock_geom::simd::{
-    LANES, Lanes, Simd, SimdBase, SimdMask, f32x16, mask32x16, point_columns,
-};
+use rayflock_geom::simd::{LANES, Lanes, Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use rayflock_scene::{Falloff, LightKind};
 
 use super::incident::{MIN_CONE_WIDTH, incident};
 use crate::triple::{
-    Triple, add, dot, is_something, normalized_or_zero, scale, select, splat, store, subtract,
+    Triple, add, columns_at, dot, is_something, normalized_or_zero, scale, select, splat, store,
+    subtract,
 };
 use crate::wave::LitPoint;
 
@@ -75,15 +74,14 @@ struct PointColumns<S: Simd> {
 impl<S: Simd> PointColumns<S> {
     #[inline(always)]
     fn new(simd: S, points: &[LitPoint; LANES]) -> Self {
-        let scalars: &[f32] = bytemuck::cast_slice(points);
         let [_, shininess, _] =
-            columns_at(simd, scalars, offset_of!(LitPoint, shininess) - size_of::<f32>());
+            columns_at(simd, points, offset_of!(LitPoint, shininess) - size_of::<f32>());
         Self {
-            position: columns_at(simd, scalars, offset_of!(LitPoint, shadow_position)),
-            normal: columns_at(simd, scalars, offset_of!(LitPoint, normal)),
-            to_viewer: columns_at(simd, scalars, offset_of!(LitPoint, to_viewer)),
-            diffuse: columns_at(simd, scalars, offset_of!(LitPoint, diffuse)),
-            specular: columns_at(simd, scalars, offset_of!(LitPoint, specular)),
+            position: columns_at(simd, points, offset_of!(LitPoint, shadow_position)),
+            normal: columns_at(simd, points, offset_of!(LitPoint, normal)),
+            to_viewer: columns_at(simd, points, offset_of!(LitPoint, to_viewer)),
+            diffuse: columns_at(simd, points, offset_of!(LitPoint, diffuse)),
+            specular: columns_at(simd, points, offset_of!(LitPoint, specular)),
             shininess,
         }
     }
@@ -167,16 +165,6 @@ fn cone_share<S: Simd>(simd: S, cos: f32x16<S>, cos_inner: f32, cos_outer: f32) 
     let share = (cos - splat(simd, cos_outer)) / splat(simd, width);
     let share = share.max(splat(simd, 0.0)).min(splat(simd, 1.0));
     share * share
-}
-
-/// The three columns that begin `offset` bytes into each of sixteen points; a fourth follows them.
-#[inline(always)]
-fn columns_at<S: Simd>(simd: S, points: &[f32], offset: usize) -> Triple<S> {
-    const STRIDE: usize = size_of::<LitPoint>() / size_of::<f32>();
-    let Some(columns) = point_columns(simd, &points[offset / size_of::<f32>()..], STRIDE) else {
-        unreachable!("there are sixteen points, and something follows each column but the last")
-    };
-    columns
 }
 
 #[inline(always)]

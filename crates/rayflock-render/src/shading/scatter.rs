@@ -27,8 +27,8 @@ pub(crate) struct Scatter {
     pub(crate) diffuse: Vec3,
     /// Multiplies radiance along `mirror_direction`.
     pub(crate) mirror: Vec3,
-    /// The mirrored ray, of unit length, on the side from which the ray came, where there is a
-    /// mirror.
+    /// The mirrored ray, of unit length, on the side from which the ray came, meaningless
+    /// without a share in `mirror`.
     pub(crate) mirror_direction: Vec3,
     /// Multiplies radiance along `refraction_direction`.
     pub(crate) transmission: Vec3,
@@ -94,9 +94,10 @@ pub(crate) fn scatter(
             }
         }
     }
-    let mirror_direction = match mirror == Vec3::ZERO {
-        true => direction,
-        false => -turned_below(-fresnel::mirrored(direction, normal), point.facet_normal),
+    let mirror_direction = if mirror == Vec3::ZERO {
+        direction
+    } else {
+        -turned_below(-fresnel::mirrored(direction, normal), point.facet_normal)
     };
     Scatter {
         ambient: material.ambient * base * kept,

@@ -137,9 +137,10 @@ pub(super) fn attributes_of(
     let SurfaceAttributes { uvs, colors, .. } = &*object.surface.attributes;
     let corner_idxs = object.surface.mesh.triangles()[triangle_idx].map(|idx| idx as usize);
     let uv = (!uvs.is_empty()).then(|| interpolated(shares, corner_idxs.map(|idx| uvs[idx])));
-    let tint = match colors.is_empty() {
-        true => Vec3::ONE,
-        false => interpolated(shares, corner_idxs.map(|idx| colors[idx])),
+    let tint = if colors.is_empty() {
+        Vec3::ONE
+    } else {
+        interpolated(shares, corner_idxs.map(|idx| colors[idx]))
     };
     (uv, tint)
 }

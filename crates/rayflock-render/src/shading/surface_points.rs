@@ -13,9 +13,7 @@ use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use rayflock_geom::simd::{
-    LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, point_columns,
-};
+use rayflock_geom::simd::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use rayflock_geom::{Hit, HitBuffer, PrimId, PrimKind, Ray, RayBatch};
 
 use super::surface_point::{
@@ -24,7 +22,8 @@ use super::surface_point::{
 };
 use crate::frame_shading::{FrameShading, ShadedObject};
 use crate::triple::{
-    Triple, add, dot, is_something, normalized_or_zero, scale, select, store, subtract, weighted,
+    Triple, add, columns_at, dot, is_something, normalized_or_zero, scale, select, store, subtract,
+    weighted,
 };
 
 /// What the point of a ray on a triangle depends on, in world space.
@@ -139,15 +138,14 @@ struct Columns {
 impl Columns {
     #[inline(always)]
     fn new<S: Simd>(simd: S, rows: &[Row; LANES]) -> Self {
-        let scalars: &[f32] = bytemuck::cast_slice(rows);
-        let corners = triples_at(simd, scalars, offset_of!(Row, corners));
-        let direction = triple_at(simd, scalars, offset_of!(Row, direction));
-        let [u, v, _] = triple_at(simd, scalars, offset_of!(Row, uv));
+        let corners = triples_at(simd, rows, offset_of!(Row, corners));
+        let direction = columns_at(simd, rows, offset_of!(Row, direction));
+        let [u, v, _] = columns_at(simd, rows, offset_of!(Row, uv));
         let shares = [f32x16::splat(simd, 1.0) - u - v, u, v];
         let position = weighted(&corners, &shares);
 
         // Turn the normal to the viewer, and step off the surface.
-        let outward = triple_at(simd, scalars, offset_of!(Row, outward));
+        let outward = columns_at(simd, rows, offset_of!(Row, outward));
         let from_outside = dot(&outward, &direction).simd_le(f32x16::splat(simd, 0.0));
         let facet_normal = scale(&outward, sign(simd, from_outside));
         let slack = slack(simd, &corners);
@@ -155,7 +153,7 @@ impl Columns {
             normal: facet_normal,
             shadow_position: add(&position, &scale(&facet_normal, slack)),
         };
-        let normals = triples_at(simd, scalars, offset_of!(Row, normals));
+        let normals = triples_at(simd, rows, offset_of!(Row, normals));
         found.smooth(simd, (&corners, &normals), &shares, &position);
 
         let mut columns = Self {
@@ -235,23 +233,13 @@ fn slack<S: Simd>(simd: S, corners: &[Triple<S>; 3]) -> f32x16<S> {
     largest * f32x16::splat(simd, SLACK)
 }
 
-/// The three columns that begin `offset` bytes into each of sixteen rows; a fourth follows them.
-#[inline(always)]
-fn triple_at<S: Simd>(simd: S, rows: &[f32], offset: usize) -> Triple<S> {
-    const STRIDE: usize = size_of::<Row>() / size_of::<f32>();
-    let Some(columns) = point_columns(simd, &rows[offset / size_of::<f32>()..], STRIDE) else {
-        unreachable!("there are sixteen rows, which end with padding")
-    };
-    columns
-}
-
 /// Three times three columns.
 #[inline(always)]
-fn triples_at<S: Simd>(simd: S, rows: &[f32], offset: usize) -> [Triple<S>; 3] {
+fn triples_at<S: Simd>(simd: S, rows: &[Row; LANES], offset: usize) -> [Triple<S>; 3] {
     [
-        triple_at(simd, rows, offset),
-        triple_at(simd, rows, offset + size_of::<Vec3>()),
-        triple_at(simd, rows, offset + 2 * size_of::<Vec3>()),
+        columns_at(simd, rows, offset),
+        columns_at(simd, rows, offset + size_of::<Vec3>()),
+        columns_at(simd, rows, offset + 2 * size_of::<Vec3>()),
     ]
 }
 
