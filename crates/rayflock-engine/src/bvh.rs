@@ -2,10 +2,10 @@
 //!
 //! ```text
 //!   (parts)      objects that rest go to a kept tree, objects that change to a fresh one
-//!   leaf_order   the order of the frame before where it still serves (split_greedily: a better
-//!                one where it has served for long), else along a Hilbert curve (sort_slots)
-//!   build_tree   (stage_triangles) sixteen primitives a leaf, sixteen leaves a node, sixteen nodes
-//!                a node ...
+//!   leaf_order   the order of the frame before where it still serves; else along a Hilbert curve
+//!                (sort_slots), or where many rays come, by area (split_by_area)
+//!   build_tree   (stage_triangles) up to sixteen primitives a leaf, sixteen children a node, in
+//!                the shape that goes with the order (tree_shape)
 //!   ray_block    some thousand rays, prepared for boxes and for triangles; neighbours that start
 //!                and go alike become groups (ray_group)
 //!   trace_block  lists go down the trees (walk_tree): of groups, one beam against sixteen boxes,
@@ -19,13 +19,13 @@
 //! through nodes with as many children as a vector has lanes); C. Lauterbach et al., "Fast BVH
 //! Construction on GPUs", Eurographics 2009 (a tree by sorting); S. Boulos, I. Wald, P. Shirley,
 //! "Geometric and Arithmetic Culling Methods for Entire Ray Packets", UUCS-06-010, 2006 (intervals
-//! around rays that go alike). For what is kept from frame to frame see `leaf_order`.
+//! around rays that go alike). For what is kept from frame to frame see `leaf_order`, for trees by
+//! area `split_by_area`.
 //!
-//! **Departures.** The tree is filled from the bottom, so all nodes are full and none needs a
-//! pointer; the curve is Hilbert's. Lists hold the rays that leave through one face of a cube, so
-//! that they share the order of axes. Groups are looked for in sixteen neighbours at a time unless
-//! the batch is said to have no order: what does not go like the first of those left is split off,
-//! and whoever has no company travels alone. A group that has met too many triangles is dissolved:
+//! **Departures.** The curve is Hilbert's, and over it all leaves and nodes are full. Lists hold the rays that leave through one face of a cube, so
+//! that they share the order of axes. Groups are looked for in sixteen neighbours at a time: what
+//! does not go like the first of those left is split off, and whoever has no company travels alone;
+//! so does what is left after two where the batch is said to have no order. A group that has met too many triangles is dissolved:
 //! its rays go on alone, with the hits that they have (`ray_group`).
 //!
 //! **Invariants.** Boxes are conservative (`simd::ray_boxes`, `simd::ray_beams`,
@@ -34,17 +34,19 @@
 //! an answer.
 //!
 //! **Cost.** Per frame, two passes over what changed and a sort of it, with the leaves some 13 ns a
-//! triangle on two AVX-512 server cores; 69 bytes a triangle above the table; the fresh tree is
-//! built when the first batch of a frame comes. Per ray, 64 bytes in a block, 128 in batches with
-//! an order. Groups took 1K triangles x 1M mirrored rays from 66 to 18 ms (the same cores).
+//! triangle on two AVX-512 server cores, 130 ns by area; 69 bytes a triangle above the table, half
+//! as much again by area; trees are built when the first batch of a frame comes. Per ray, 64 bytes
+//! in a block, 128 in a group. Groups took 1K triangles x 1M mirrored rays from 66 to 18 ms (the same cores).
 //! Loading, grouping and answering a ray are some 30 cycles, a node 17 a single ray and 45 a group,
 //! a leaf 45 a single ray. Dissolving groups took shadows of a dense teapot in a wide arena (158K
 //! triangles, 230K rays) from 49 to 5.4 ms, its mirrored rays from 32 to 6.5 ms. Asking about the
 //! boxes of spheres first, and dissolving groups by spheres as well, took shadows among 100K of
-//! them (225K rays) from 207 to 18 ms.
+//! them (225K rays) from 207 to 18 ms. Looking for groups among shadow rays toward a lamp as well,
+//! and trees by area, took museum7 at rest from 83 to 41 ms a picture (800 x 600).
 //!
 //! **Did not pay.** Sending rays of short lists through the rest of a tree one by one, nearest box
-//! first; asking for the vertices of triangles ahead when leaves are written; huge pages.
+//! first; asking for the vertices of triangles ahead when leaves are written; huge pages; cutting
+//! what fits into one leaf where the parts have less surface.
 
 mod build_tree;
 mod config;
@@ -52,12 +54,13 @@ mod leaf_order;
 mod ray_block;
 mod ray_group;
 mod sort_slots;
-mod split_greedily;
+mod split_by_area;
 mod stage_triangles;
 mod trace_block;
 mod trace_groups;
 mod trace_rays;
 mod tree;
+mod tree_shape;
 mod walk_tree;
 
 use rayflock_geom::simd::ray_boxes::BoxBounds;
@@ -81,6 +84,10 @@ use crate::{CommitStats, EngineError, EngineKind, RayEngine, TraceStats};
 /// Primitives along the side of a group of rays.
 const GROUP_PRIMS: f32 = 8.0;
 
+/// How many of sixteen rays are tried as the first of a group where the batch is said to have no
+/// order: neighbours may go alike all the same, as shadow rays of a picture do.
+const LEADERS_WITHOUT_ORDER: usize = 2;
+
 /// Traces streams of rays through a tree that is built anew each frame.
 #[derive(Debug, Default)]
 pub struct BvhEngine {
@@ -91,7 +98,8 @@ pub struct BvhEngine {
     wanted: Wanted,
     kept: Tree,
     fresh: Tree,
-    /// Whether the fresh tree holds the objects of this frame; built when a first batch comes.
+    /// Whether the trees hold the objects of this frame; they are built when a first batch comes.
+    kept_is_built: bool,
     fresh_is_built: bool,
     /// Memory of tasks that are not running.
     scratch: Scratch<BlockTracer>,
@@ -103,49 +111,38 @@ impl BvhEngine {
         Self { config, table: PrimitiveTable::new(config.simd), ..Self::default() }
     }
 
-    /// Builds the kept tree if its objects changed, and once more when it has been of use for long.
-    fn build_kept(&mut self) {
-        self.fresh_is_built = false;
-        let change = self.parts.divide(self.table.geometry(), self.table.spans());
-        if change == KeptChange::Build || self.kept.order.holds() {
-            self.list_wanted(|place| place == Place::Kept);
-            self.builder.build(self.config.simd, &self.table, &self.wanted, &mut self.kept);
-        }
-    }
-
-    /// Builds the fresh tree, once a frame; returns the nanoseconds that it took.
-    fn build_fresh(&mut self) -> u64 {
+    /// Builds the trees that this frame needs, or makes them better for so many rays to come;
+    /// returns the nanoseconds that it took.
+    fn build_trees(&mut self, ray_count: usize) -> u64 {
         let start = Instant::now();
-        if !self.fresh_is_built {
-            let _span = debug_span!("build_tree").entered();
-            self.fresh_is_built = true;
-            self.list_wanted(|place| place != Place::Kept);
-            self.builder.build(self.config.simd, &self.table, &self.wanted, &mut self.fresh);
+        let (simd, table) = (self.config.simd, &self.table);
+        for (is_kept, tree, is_built) in [
+            (true, &mut self.kept, &mut self.kept_is_built),
+            (false, &mut self.fresh, &mut self.fresh_is_built),
+        ] {
+            if !*is_built {
+                let _span = debug_span!("build_tree").entered();
+                *is_built = true;
+                let places = self.parts.places();
+                list_wanted(table, |idx| (places[idx] == Place::Kept) == is_kept, &mut self.wanted);
+                self.builder.build(simd, table, &self.wanted, ray_count, tree);
+            } else if tree.order.is_worth_splitting(ray_count) {
+                let _span = debug_span!("build_tree").entered();
+                self.builder.improve(simd, table, tree);
+            }
+            tree.order.serve(ray_count);
         }
         start.elapsed().as_nanos() as u64
     }
 
-    /// Lists the primitives of objects by where they are, without those that no ray sees.
-    fn list_wanted(&mut self, is_chosen: impl Fn(Place) -> bool) {
-        let (places, objects) = (self.parts.places(), self.table.geometry().objects());
-        let is_wanted = |idx: usize| is_chosen(places[idx]) && objects[idx].mask != 0;
-        self.wanted.list(self.table.spans(), is_wanted);
-    }
-
     /// The box around everything in the trees.
     fn bounds(&self) -> BoxBounds {
-        match (self.fresh.is_empty(), self.kept.is_empty()) {
-            (false, false) => self.fresh.bounds.union(&self.kept.bounds),
-            (false, true) => self.fresh.bounds,
-            (true, _) => self.kept.bounds,
-        }
+        let bounds = [&self.fresh, &self.kept].into_iter().filter_map(Tree::bounds);
+        bounds.reduce(|bounds, other| bounds.union(&other)).unwrap_or_default()
     }
 
     /// How wide groups of rays may be: as some primitives, were these spread evenly over a square.
-    fn group_width(&self, order: RayOrder) -> f32 {
-        if matches!(order, RayOrder::Unordered) {
-            return 0.0;
-        }
+    fn group_width(&self) -> f32 {
         let leaf_count = self.fresh.leaf_count() + self.kept.leaf_count();
         let side = 2.0 * self.bounds().half_size.max_element();
         GROUP_PRIMS * side / ((leaf_count * LANES) as f32).sqrt()
@@ -156,19 +153,19 @@ impl BvhEngine {
         if rays.is_empty() {
             return TraceStats::default();
         }
-        let update_ns = self.build_fresh();
-        self.fresh.order.serve(rays.len());
-        self.kept.order.serve(rays.len());
+        let update_ns = self.build_trees(rays.len());
+        let has_order = !matches!(rays.order(), RayOrder::Unordered);
         let asked = BlockQuestion {
             table: &self.table,
             batch: rays,
             trees: [&self.fresh, &self.kept],
             bounds: self.bounds(),
-            group_width: self.group_width(rays.order()),
+            group_width: self.group_width(),
+            leader_count: if has_order { LANES } else { LEADERS_WITHOUT_ORDER },
             question: answers.question(),
         };
         let prim_count = self.fresh.triangle_leaves.len() * LANES;
-        let block_len = block_len(rays.len(), prim_count, asked.group_width > 0.0);
+        let block_len = block_len(rays.len(), prim_count, has_order);
         let _span = debug_span!("trace_blocks").entered();
         TraceStats { update_ns, ..self.trace_part(&asked, block_len, 0, answers) }
     }
@@ -200,11 +197,17 @@ impl BvhEngine {
     }
 }
 
+/// Lists the primitives of the objects that are chosen, without those that no ray sees.
+fn list_wanted(table: &PrimitiveTable, is_chosen: impl Fn(usize) -> bool, wanted: &mut Wanted) {
+    let objects = table.geometry().objects();
+    wanted.list(table.spans(), |idx| is_chosen(idx) && objects[idx].mask != 0);
+}
+
 /// Rays that go through the tree together: as many as a cache holds, where groups leave few in a
 /// leaf anyway; else enough for long lists there.
-fn block_len(ray_count: usize, prim_count: usize, has_groups: bool) -> usize {
+fn block_len(ray_count: usize, prim_count: usize, has_order: bool) -> usize {
     let longest = match prim_count {
-        _ if has_groups => 16 << 10,
+        _ if has_order => 16 << 10,
         0..131_072 => 16 << 10,
         131_072..524_288 => 64 << 10,
         _ => 256 << 10,
@@ -224,7 +227,9 @@ impl RayEngine for BvhEngine {
         changes: &FrameChanges,
     ) -> Result<CommitStats, EngineError> {
         let stats = self.table.commit(geometry, changes);
-        self.build_kept();
+        let change = self.parts.divide(self.table.geometry(), self.table.spans());
+        self.kept_is_built &= change == KeptChange::None;
+        self.fresh_is_built = false;
         Ok(stats)
     }
 

@@ -12,6 +12,15 @@ pub(crate) struct WantedLanes {
     pub(crate) lanes: u32,
 }
 
+impl WantedLanes {
+    /// The slots of the primitives.
+    pub(crate) fn slots(&self) -> impl Iterator<Item = u32> + use<> {
+        let Self { block_idx, lanes } = *self;
+        let lanes = (0..LANES as u32).filter(move |lane| lanes & (1 << lane) != 0);
+        lanes.map(move |lane| block_idx * LANES as u32 + lane)
+    }
+}
+
 /// Primitives of some objects, by kind.
 #[derive(Debug, Default)]
 pub(crate) struct Wanted {

@@ -1,7 +1,7 @@
-//! Builds a tree over some primitives: leaves in the order of a curve, nodes from the bottom up.
+//! Builds a tree over some primitives: their order and its shape, leaves, boxes from the bottom up.
 
 use glam::Vec3;
-use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxBounds};
+use rayflock_geom::simd::ray_boxes::BoxBounds;
 use rayflock_geom::simd::triangle_boxes::{
     around_spheres, around_triangles, half_area_around_each,
 };
@@ -12,15 +12,18 @@ use tracing::debug_span;
 
 use super::leaf_order::{LeafOrder, Ordering};
 use super::sort_slots::SlotSorter;
-use super::split_greedily::GreedySplitter;
+use super::split_by_area::AreaSplitter;
 use super::stage_triangles::{StagedTriangles, TriangleReader};
-use super::tree::{OtherLeaf, Tree};
+use super::tree::{Nodes, OtherLeaf, Tree};
 use crate::primitives::PrimitiveTable;
 use crate::triangle_leaf::TriangleLeaf;
-use crate::wanted::Wanted;
+use crate::wanted::{Wanted, WantedLanes};
 
-/// Nodes of sixteen leaves that one task writes at least.
-const NODES_PER_TASK: usize = 8;
+/// Leaves that are written one after the other.
+const LEAVES_PER_CHUNK: usize = 16;
+
+/// Chunks that one task writes at least.
+const CHUNKS_PER_TASK: usize = 8;
 
 /// How many triangles before their turn memory is asked for them.
 const ROWS_AHEAD: usize = 2 * ROW_COUNT;
@@ -30,42 +33,46 @@ const ROWS_AHEAD: usize = 2 * ROW_COUNT;
 pub(super) struct TreeBuilder {
     triangles: SlotSorter,
     others: SlotSorter,
-    greedy: GreedySplitter,
+    splitter: AreaSplitter,
 }
 
 impl TreeBuilder {
-    /// Builds `tree` over the wanted primitives.
+    /// Builds `tree` over the wanted primitives, with so many rays to come.
     pub(super) fn build(
         &mut self,
         level: SimdLevel,
         table: &PrimitiveTable,
         wanted: &Wanted,
+        ray_count: usize,
         tree: &mut Tree,
     ) {
-        let ordering = tree.order.choose(&wanted.triangles);
-        self.order(level, table, wanted, ordering, &mut tree.order);
-        self.others.sort(level, table, &wanted.others);
-        tree.resize(tree.order.slots.len().div_ceil(LANES), self.others.len().div_ceil(LANES));
+        let triangles = &wanted.triangles;
+        let ordering = tree.order.choose(triangles, ray_count);
+        self.order(level, table, triangles, ordering, tree);
         let writer = LeafWriter { level, table };
         let spread = writer.write_triangles(tree);
         if tree.order.judge(spread) {
-            self.order(level, table, wanted, Ordering::Sort, &mut tree.order);
+            let ordering = LeafOrder::make_for(tree.order.slots.len(), ray_count);
+            self.order(level, table, triangles, ordering, tree);
             let spread = writer.write_triangles(tree);
             tree.order.judge(spread);
         }
-        let triangle_nodes = tree.triangle_node_count();
-        writer.write_others(
-            &self.others,
-            &mut tree.other_leaves,
-            &mut tree.nodes[triangle_nodes..],
-        );
+        self.others.sort(level, table, &wanted.others);
+        tree.others.shape.fill(self.others.len());
+        writer.write_others(&self.others, tree);
         let _span = debug_span!("bound_nodes").entered();
-        for upper in 1..tree.level_count() {
-            bound_level(level, tree, upper);
-        }
-        if let Some(root) = tree.nodes.last() {
-            tree.bounds = dispatch!(level.level(), simd => root.around(simd));
-        }
+        tree.triangles.bound(level);
+        tree.others.bound(level);
+    }
+
+    /// Makes the order of the triangles of a tree that is built a better one.
+    pub(super) fn improve(&mut self, level: SimdLevel, table: &PrimitiveTable, tree: &mut Tree) {
+        self.splitter.split(table, &mut tree.order.slots, &mut tree.triangles.shape);
+        tree.order.improved();
+        let spread = LeafWriter { level, table }.write_triangles(tree);
+        tree.order.judge(spread);
+        let _span = debug_span!("bound_nodes").entered();
+        tree.triangles.bound(level);
     }
 
     /// Orders the wanted triangles.
@@ -73,26 +80,31 @@ impl TreeBuilder {
         &mut self,
         level: SimdLevel,
         table: &PrimitiveTable,
-        wanted: &Wanted,
+        wanted: &[WantedLanes],
         ordering: Ordering,
-        order: &mut LeafOrder,
+        tree: &mut Tree,
     ) {
+        let (slots, shape) = (&mut tree.order.slots, &mut tree.triangles.shape);
         match ordering {
-            Ordering::Keep => {}
-            Ordering::Improve => {
-                let slots = self.greedy.order(table, &order.slots);
-                order.replace(&wanted.triangles, slots, true);
+            Ordering::Keep => return,
+            Ordering::Split => {
+                slots.clear();
+                slots.extend(wanted.iter().flat_map(WantedLanes::slots));
+                self.splitter.split(table, slots, shape);
             }
             Ordering::Sort => {
-                self.triangles.sort(level, table, &wanted.triangles);
-                order.replace(&wanted.triangles, self.triangles.slots(), false);
+                self.triangles.sort(level, table, wanted);
+                slots.clear();
+                slots.extend(self.triangles.slots());
+                shape.fill(slots.len());
             }
         }
+        tree.order.replaced(wanted, ordering == Ordering::Split);
     }
 
     /// Bytes held.
     pub(super) fn memory_usage(&self) -> usize {
-        self.triangles.memory_usage() + self.others.memory_usage() + self.greedy.memory_usage()
+        self.triangles.memory_usage() + self.others.memory_usage() + self.splitter.memory_usage()
     }
 }
 
@@ -102,47 +114,52 @@ struct LeafWriter<'a> {
 }
 
 impl LeafWriter<'_> {
-    /// Writes the leaves of triangles and the nodes over them. Returns the spread of the leaves.
+    /// Writes the leaves of triangles and their boxes. Returns the spread of the leaves.
     fn write_triangles(&self, tree: &mut Tree) -> f32 {
         let _span = debug_span!("write_leaves").entered();
-        let (nodes, slots) = (&mut tree.nodes, &tree.order.slots);
-        let tasks = tree.triangle_leaves.par_chunks_mut(LANES).zip(nodes).enumerate();
-        let areas = tasks.with_min_len(NODES_PER_TASK).map(|(node_idx, (leaves, node))| {
-            let mut areas = [0.0; 2];
-            dispatch!(self.level.level(), simd => {
-                let mut reader = TriangleReader::new(self.table);
-                let mut staged = StagedTriangles::EMPTY;
-                let first = node_idx * LANES * LANES;
-                for (pair_idx, pair) in leaves.chunks_mut(2).enumerate() {
-                    let slots = &slots[first + pair_idx * ROW_COUNT..];
-                    reader.ask_for(pair_ahead(slots));
-                    reader.stage(slots, &mut staged);
-                    write_pair(simd, &staged, pair);
-                }
-                for (lane, leaf) in leaves.iter().enumerate() {
-                    let bounds = around_triangles(simd, &leaf.triangles);
-                    node.set(lane, &bounds);
-                    areas[0] += bounds.half_area();
-                    areas[1] += half_area_around_each(simd, &leaf.triangles);
-                }
+        tree.triangles.resize();
+        let Nodes { shape, leaf_bounds, .. } = &mut tree.triangles;
+        tree.triangle_leaves.resize(shape.leaf_count(), TriangleLeaf::EMPTY);
+        let slots = &tree.order.slots;
+        let leaves = tree.triangle_leaves.par_chunks_mut(LEAVES_PER_CHUNK);
+        let tasks = leaves.zip(leaf_bounds.par_chunks_mut(LEAVES_PER_CHUNK)).enumerate();
+        let areas =
+            tasks.with_min_len(CHUNKS_PER_TASK).map(|(chunk_idx, (leaves, leaf_bounds))| {
+                let mut areas = [0.0; 2];
+                dispatch!(self.level.level(), simd => {
+                    let mut reader = TriangleReader::new(self.table);
+                    let mut staged = StagedTriangles::EMPTY;
+                    for (pair_idx, pair) in leaves.chunks_mut(2).enumerate() {
+                        let first = chunk_idx * LEAVES_PER_CHUNK + 2 * pair_idx;
+                        reader.ask_for(rows_ahead(&slots[shape.leaf(first).start..]));
+                        for (idx, leaf_idx) in (first..first + pair.len()).enumerate() {
+                            reader.stage(&slots[shape.leaf(leaf_idx)], idx, &mut staged);
+                        }
+                        write_pair(simd, &staged, pair);
+                    }
+                    for (leaf, bounds) in leaves.iter().zip(leaf_bounds) {
+                        *bounds = around_triangles(simd, &leaf.triangles);
+                        areas[0] += bounds.half_area();
+                        areas[1] += half_area_around_each(simd, &leaf.triangles);
+                    }
+                });
+                areas
             });
-            node.pad(leaves.len());
-            areas
-        });
         let [leaf_area, own_area] = areas.reduce(|| [0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
         leaf_area / own_area
     }
 
-    fn write_others(&self, sorter: &SlotSorter, leaves: &mut [OtherLeaf], nodes: &mut [BoxBlock]) {
-        let tasks = leaves.par_chunks_mut(LANES).zip(nodes).enumerate();
-        tasks.with_min_len(NODES_PER_TASK).for_each(|(node_idx, (leaves, node))| {
-            dispatch!(self.level.level(), simd => {
-                for (lane, leaf) in leaves.iter_mut().enumerate() {
-                    let first = (node_idx * LANES + lane) * LANES;
-                    node.set(lane, &self.write_other_leaf(simd, sorter, first, leaf));
-                }
+    /// Writes the leaves of other primitives and their boxes.
+    fn write_others(&self, sorter: &SlotSorter, tree: &mut Tree) {
+        tree.others.resize();
+        let Nodes { shape, leaf_bounds, .. } = &mut tree.others;
+        tree.other_leaves.resize(shape.leaf_count(), OtherLeaf::EMPTY);
+        let tasks = tree.other_leaves.par_iter_mut().zip(leaf_bounds).enumerate();
+        let tasks = tasks.with_min_len(LEAVES_PER_CHUNK * CHUNKS_PER_TASK);
+        tasks.for_each(|(leaf_idx, (leaf, bounds))| {
+            *bounds = dispatch!(self.level.level(), simd => {
+                self.write_other_leaf(simd, sorter, leaf_idx * LANES, leaf)
             });
-            node.pad(leaves.len());
         });
     }
 
@@ -164,9 +181,9 @@ impl LeafWriter<'_> {
     }
 }
 
-/// The slots of the pair of leaves that memory is to be asked for; fewer near the end.
+/// The slots of two leaves that memory is to be asked for; fewer near the end.
 #[inline(always)]
-fn pair_ahead(slots: &[u32]) -> &[u32] {
+fn rows_ahead(slots: &[u32]) -> &[u32] {
     let [first, end] = [ROWS_AHEAD, ROWS_AHEAD + ROW_COUNT].map(|row| slots.len().min(row));
     &slots[first..end]
 }
@@ -198,20 +215,4 @@ fn leave_out(leaf: &mut TriangleLeaf, ignored: u64) {
         leaf.triangles.set(lane, instead);
         leaf.masks[lane] = 0;
     }
-}
-
-/// Writes the boxes of a level's nodes: around those of the level below.
-fn bound_level(level: SimdLevel, tree: &mut Tree, upper: usize) {
-    let (range, below) = (tree.level(upper), tree.level(upper - 1));
-    let (lower_nodes, nodes) = tree.nodes.split_at_mut(range.start);
-    let nodes = nodes[..range.len()].par_iter_mut();
-    let tasks = nodes.zip(lower_nodes[below].par_chunks(LANES));
-    tasks.with_min_len(NODES_PER_TASK).for_each(|(node, children)| {
-        dispatch!(level.level(), simd => {
-            for (lane, child) in children.iter().enumerate() {
-                node.set(lane, &child.around(simd));
-            }
-        });
-        node.pad(children.len());
-    });
 }

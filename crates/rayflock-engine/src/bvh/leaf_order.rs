@@ -1,37 +1,41 @@
 //! The order of a tree's triangles, from frame to frame.
 //!
-//! A tree over the same triangles as the frame before may keep their order: then nothing is sorted
-//! and only boxes are written anew. That is worth it where neighbours stay neighbours, as on a
-//! character that walks, and ruinous where they do not. So the order is judged by what it gives:
+//! A tree over the same triangles as the frame before may keep their order and its shape: then
+//! nothing is sorted and only boxes are written anew. That is worth it where neighbours stay
+//! neighbours, as on a character that walks, and ruinous where they do not. So the order is judged
+//! by what it gives:
 //!
 //! ```text
 //!   spread = surfaces of the leaves' boxes / surfaces of the boxes around each triangle
 //! ```
 //!
-//! An order along a curve whose spread has grown by half is given up, and the tree is built again;
-//! after that, no order is kept for a frame, then for two, four ... One that has held for some
-//! frames, or for one with many rays, is worth a better one: it is made anew by `split_greedily`,
-//! and kept for as long as its spread is less than that of the curve was.
+//! An order whose spread has grown by half is given up, and the tree is built again; after that, no
+//! order is kept for a frame, then for two, four ...
+//!
+//! How much time an order is worth is told by the rays. What they lose to one along a curve is
+//! counted, and less of it where the spread of a better one has grown; once that is as much as a
+//! better one takes, `split_by_area` makes one: at most twice as much is lost as by whoever knows
+//! what comes. A batch is counted before it is traced, so one of many rays gets a good tree at once.
 //!
 //! **Source.** T. Larsson, T. Akenine-Moller, "Strategies for Bounding Volume Hierarchy Updates for
 //! Ray Tracing of Deformable Models", 2003; C. Lauterbach et al., "RT-DEFORM", IEEE Symposium on
-//! Interactive Ray Tracing 2006 (refitting, and rebuilding where the tree has got worse).
-//! **Departures.** What is kept is an order, not a tree.
+//! Interactive Ray Tracing 2006 (refitting, and rebuilding where the tree has got worse); R. Karp,
+//! "On-line Algorithms Versus Off-line Algorithms", 1992 (to rent until one could have bought).
 
 use crate::wanted::WantedLanes;
 
-/// An order along a curve is given up when its spread is this many times what it was.
+/// An order is given up when its spread is this many times what it was.
 const WORST: f32 = 1.5;
 
-/// Frames for which an order must have held to be worth a better one.
+/// Frames for which an order must have held so that it did not come too late.
 const PATIENCE: u32 = 4;
 
-/// Rays for each triangle that make up for a better order: it takes some 320 ns a triangle, and
-/// spares a ray of a picture 17 ns (museum7, two AVX-512 server cores).
-const RAYS_A_TRIANGLE: usize = 20;
+/// Rays for each triangle that lose as much to an order along a curve as a better one takes: 130 ns
+/// a triangle, and 3 to 19 ns a ray (two AVX-512 server cores).
+const RAYS_A_TRIANGLE: f32 = 16.0;
 
-/// The most triangles that are ordered greedily, in one frame.
-const MOST_GREEDY: usize = 1 << 17;
+/// The share of it that is lost by a spread that is twice what it was.
+const LOST_BY_SPREAD: f32 = 2.0;
 
 /// The longest time for which no order is kept, in frames.
 const LONGEST_PAUSE: u32 = 64;
@@ -42,12 +46,14 @@ pub(super) struct LeafOrder {
     pub(super) slots: Vec<u32>,
     /// What the order was made for.
     wanted: Vec<WantedLanes>,
-    /// The spread when triangles were last ordered along a curve; `None` when that is this frame.
-    curve_spread: Option<f32>,
+    /// The spread when triangles were last ordered; `None` when that is this frame.
+    first_spread: Option<f32>,
     held_for: u32,
-    /// Rays since triangles were last ordered along a curve.
-    ray_count: usize,
-    is_greedy: bool,
+    is_split: bool,
+    /// What each ray loses to the order, as a share of what it loses to one along a curve.
+    loss: f32,
+    /// What all rays have lost to it.
+    lost: f32,
     /// Frames until an order is kept again.
     pause: u32,
     next_pause: u32,
@@ -58,60 +64,60 @@ pub(super) struct LeafOrder {
 pub(super) enum Ordering {
     /// As it is.
     Keep,
-    /// Greedily.
-    Improve,
+    /// By area.
+    Split,
     /// Along a curve.
     Sort,
 }
 
 impl LeafOrder {
-    /// What to do for the `wanted` triangles.
-    pub(super) fn choose(&mut self, wanted: &[WantedLanes]) -> Ordering {
+    /// What to do for the `wanted` triangles, with so many rays to come.
+    pub(super) fn choose(&mut self, wanted: &[WantedLanes], ray_count: usize) -> Ordering {
         if self.pause > 0 || self.wanted != wanted {
             self.pause = self.pause.saturating_sub(1);
-            return Ordering::Sort;
+            let lanes = wanted.iter().map(|wanted| wanted.lanes.count_ones() as usize);
+            return Self::make_for(lanes.sum(), ray_count);
         }
         self.held_for = self.held_for.saturating_add(1);
-        if self.is_worth_improving() { Ordering::Improve } else { Ordering::Keep }
+        if self.is_worth_splitting(ray_count) { Ordering::Split } else { Ordering::Keep }
     }
 
-    /// Takes note of a frame in which nothing was to be built. Returns whether it is time to build
-    /// all the same, for a better order.
-    pub(super) fn holds(&mut self) -> bool {
-        self.held_for = self.held_for.saturating_add(1);
-        self.is_worth_improving()
+    /// How to make an order that was not there before.
+    pub(super) fn make_for(triangle_count: usize, ray_count: usize) -> Ordering {
+        let is_worth_it = ray_count as f32 >= RAYS_A_TRIANGLE * triangle_count as f32;
+        if is_worth_it && triangle_count > 0 { Ordering::Split } else { Ordering::Sort }
+    }
+
+    /// Whether a better order has become worth its time, with so many rays to come.
+    pub(super) fn is_worth_splitting(&self, ray_count: usize) -> bool {
+        let lost = self.lost + self.loss * ray_count as f32;
+        !self.slots.is_empty() && lost > RAYS_A_TRIANGLE * self.slots.len() as f32
     }
 
     /// Takes note of rays that are sent through the tree.
-    pub(super) const fn serve(&mut self, ray_count: usize) {
-        self.ray_count = self.ray_count.saturating_add(ray_count);
+    pub(super) fn serve(&mut self, ray_count: usize) {
+        self.lost += self.loss * ray_count as f32;
     }
 
-    fn is_worth_improving(&self) -> bool {
-        let triangle_count = self.slots.len();
-        let has_served = self.ray_count / RAYS_A_TRIANGLE >= triangle_count;
-        let patience = if has_served { 1 } else { PATIENCE };
-        let can_be = (1..=MOST_GREEDY).contains(&triangle_count);
-        self.held_for >= patience && !self.is_greedy && can_be
-    }
-
-    /// Takes slots in a new order.
-    pub(super) fn replace(
-        &mut self,
-        wanted: &[WantedLanes],
-        slots: impl Iterator<Item = u32>,
-        is_greedy: bool,
-    ) {
-        self.slots.clear();
-        self.slots.extend(slots);
-        self.wanted.clear();
-        self.wanted.extend_from_slice(wanted);
-        self.is_greedy = is_greedy;
-        if !is_greedy {
-            self.curve_spread = None;
-            self.held_for = 0;
-            self.ray_count = 0;
+    /// Takes note that the slots have a new order, for the `wanted` triangles.
+    pub(super) fn replaced(&mut self, wanted: &[WantedLanes], is_split: bool) {
+        if self.wanted != wanted {
+            self.wanted.clear();
+            self.wanted.extend_from_slice(wanted);
         }
+        self.remade(is_split);
+    }
+
+    /// Takes note that the slots have a better order, for the same triangles.
+    pub(super) fn improved(&mut self) {
+        self.remade(true);
+    }
+
+    fn remade(&mut self, is_split: bool) {
+        self.is_split = is_split;
+        self.first_spread = None;
+        self.held_for = 0;
+        (self.loss, self.lost) = (0.0, 0.0);
     }
 
     /// Takes note of the spread of this frame. Returns whether the order is to be given up.
@@ -121,15 +127,12 @@ impl LeafOrder {
             self.wanted.clear();
             return false;
         }
-        let Some(curve_spread) = self.curve_spread else {
-            self.curve_spread = Some(spread);
-            return false;
-        };
+        let growth = spread / *self.first_spread.get_or_insert(spread);
+        self.loss = if self.is_split { LOST_BY_SPREAD * (growth - 1.0).max(0.0) } else { 1.0 };
         if self.held_for >= PATIENCE {
             self.next_pause = 0;
         }
-        let worst = if self.is_greedy { 1.0 } else { WORST };
-        let is_bad = spread > worst * curve_spread;
+        let is_bad = growth > WORST;
         if is_bad {
             self.next_pause = (2 * self.next_pause).clamp(1, LONGEST_PAUSE);
             self.pause = self.next_pause;
@@ -151,20 +154,30 @@ mod tests {
         (0..count).map(|block_idx| WantedLanes { block_idx, lanes: 0xffff }).collect()
     }
 
+    /// The order of 32 triangles.
+    fn order_of_two_blocks() -> LeafOrder {
+        let mut order = LeafOrder { slots: (0..32).collect(), ..LeafOrder::default() };
+        order.replaced(&lanes(2), false);
+        order.judge(1.0);
+        order
+    }
+
     /// What is chosen frame by frame when kept orders have this spread, and new ones 1.
-    fn choices(frame_count: usize, kept_spread: f32) -> Vec<Ordering> {
+    fn choices(frame_count: usize, kept_spread: f32, rays_a_frame: usize) -> Vec<Ordering> {
         let wanted = lanes(2);
-        let mut order = LeafOrder::default();
+        let mut order = LeafOrder { slots: (0..32).collect(), ..LeafOrder::default() };
         let mut choices = Vec::new();
         for _ in 0..frame_count {
-            let choice = order.choose(&wanted);
+            let choice = order.choose(&wanted, rays_a_frame);
             if choice != Ordering::Keep {
-                order.replace(&wanted, 0..32, choice == Ordering::Improve);
+                order.replaced(&wanted, choice == Ordering::Split);
             }
             if order.judge(if choice == Ordering::Keep { kept_spread } else { 1.0 }) {
-                order.replace(&wanted, 0..32, false);
+                let made = LeafOrder::make_for(32, rays_a_frame);
+                order.replaced(&wanted, made == Ordering::Split);
                 order.judge(1.0);
             }
+            order.serve(rays_a_frame);
             choices.push(choice);
         }
         choices
@@ -172,26 +185,43 @@ mod tests {
 
     #[test]
     fn an_order_that_holds_is_kept_and_improved_once() {
-        let choices = choices(20, 0.9);
-        assert_eq!(choices[0], Ordering::Sort);
-        assert_eq!(choices[PATIENCE as usize], Ordering::Improve);
-        let kept = choices.iter().filter(|&&choice| choice == Ordering::Keep);
-        assert_eq!(kept.count(), 18);
+        let choices = choices(20, 0.9, 200);
+        let expected = |frame: usize| match frame {
+            0 => Ordering::Sort,
+            2 => Ordering::Split,
+            _ => Ordering::Keep,
+        };
+        assert!(choices.iter().copied().eq((0..20).map(expected)), "{choices:?}");
     }
 
     #[test]
-    fn an_order_that_many_rays_need_is_improved_at_once() {
-        for (ray_count, expected) in [(639, Ordering::Keep), (640, Ordering::Improve)] {
-            let mut order = LeafOrder::default();
-            order.replace(&lanes(2), 0..32, false);
-            order.serve(ray_count);
-            assert_eq!(order.choose(&lanes(2)), expected, "{ray_count} rays");
+    fn an_order_that_many_rays_need_is_a_good_one_at_once() {
+        for (ray_count, expected) in [(511, Ordering::Sort), (512, Ordering::Split)] {
+            let choice = LeafOrder::default().choose(&lanes(2), ray_count);
+            assert_eq!(choice, expected, "{ray_count} rays");
         }
+        let mut order = order_of_two_blocks();
+        assert!(!order.is_worth_splitting(512));
+        assert!(order.is_worth_splitting(513));
+        order.serve(500);
+        assert!(order.is_worth_splitting(13));
+        assert_eq!(order.choose(&[], 1_000_000), Ordering::Sort);
+    }
+
+    #[test]
+    fn a_good_order_is_made_anew_as_its_spread_grows() {
+        let mut order = order_of_two_blocks();
+        order.replaced(&lanes(2), true);
+        order.judge(1.0);
+        assert!(!order.is_worth_splitting(1_000_000));
+        assert!(!order.judge(1.25));
+        assert!(order.is_worth_splitting(1025));
+        assert!(!order.is_worth_splitting(1023));
     }
 
     #[test]
     fn an_order_that_does_not_hold_is_tried_ever_less_often() {
-        let choices = choices(100, 9.0);
+        let choices = choices(100, 9.0, 0);
         let tries: Vec<_> = (0..100).filter(|&frame| choices[frame] == Ordering::Keep).collect();
         assert_eq!(tries, [1, 3, 6, 11, 20, 37, 70]);
     }
@@ -199,19 +229,18 @@ mod tests {
     #[test]
     fn an_order_made_while_nothing_could_be_hit_is_not_kept() {
         let mut order = LeafOrder::default();
-        order.replace(&lanes(2), 0..32, false);
+        order.replaced(&lanes(2), false);
         assert!(!order.judge(f32::NAN));
-        assert_eq!(order.choose(&lanes(2)), Ordering::Sort);
-        order.replace(&lanes(2), 0..32, false);
+        assert_eq!(order.choose(&lanes(2), 0), Ordering::Sort);
+        order.replaced(&lanes(2), false);
         assert!(!order.judge(1.0));
-        assert_eq!(order.choose(&lanes(2)), Ordering::Keep);
+        assert_eq!(order.choose(&lanes(2), 0), Ordering::Keep);
     }
 
     #[test]
     fn an_order_for_other_triangles_is_not_kept() {
-        let mut order = LeafOrder::default();
-        order.replace(&lanes(2), 0..32, false);
-        assert_eq!(order.choose(&lanes(3)), Ordering::Sort);
-        assert_eq!(order.choose(&lanes(2)), Ordering::Keep);
+        let mut order = order_of_two_blocks();
+        assert_eq!(order.choose(&lanes(3), 0), Ordering::Sort);
+        assert_eq!(order.choose(&lanes(2), 0), Ordering::Keep);
     }
 }

@@ -124,10 +124,8 @@ impl RayBlock {
         let (prepared, crossing) =
             AlignedRays::prepare(simd, &lanes, &asked.bounds, asked.table.slack());
         let first = first_ray - self.first_ray;
-        let mut single = active & there & crossing;
-        if asked.group_width > 0.0 {
-            single = self.push_groups(simd, asked, first, single, (&lanes, &prepared, masks));
-        }
+        let crossing = active & there & crossing;
+        let single = self.push_groups(simd, asked, first, crossing, (&lanes, &prepared, masks));
         self.push_single(first, single, (&lanes, &prepared, masks));
         invalid_count
     }
@@ -182,7 +180,10 @@ impl RayBlock {
     ) -> u64 {
         let distance = asked.bounds.half_size.max_element();
         let (mut left, mut single) = (active, 0);
-        while left != 0 {
+        for _ in 0..asked.leader_count {
+            if left == 0 {
+                break;
+            }
             let alike = alike(simd, prepared, left, asked.group_width, distance);
             let one = left & left.wrapping_neg();
             left &= !(alike | one);
@@ -204,7 +205,7 @@ impl RayBlock {
             group.fill(beam, face, [first as u32, alike as u32], (lanes, prepared), masks);
             self.group_count += 1;
         }
-        single
+        single | left
     }
 
     /// Bytes held.

@@ -56,17 +56,10 @@ impl<'a> TriangleReader<'a> {
         Self { table, last: None }
     }
 
-    /// Reads the triangles of the first 32 slots. Where there are fewer, the first of a leaf is
-    /// there again, out of sight.
+    /// Reads the triangles of a leaf, to be the first or the second that is staged. Where there are
+    /// fewer than sixteen, the first is there again, out of sight.
     #[inline(always)]
-    pub(super) fn stage(&mut self, slots: &[u32], staged: &mut StagedTriangles) {
-        for (leaf_idx, slots) in slots.chunks(LANES).take(ROW_COUNT / LANES).enumerate() {
-            self.stage_leaf(slots, leaf_idx, staged);
-        }
-    }
-
-    #[inline(always)]
-    fn stage_leaf(&mut self, slots: &[u32], leaf_idx: usize, staged: &mut StagedTriangles) {
+    pub(super) fn stage(&mut self, slots: &[u32], leaf_idx: usize, staged: &mut StagedTriangles) {
         let StagedTriangles { rows, transforms, masks, ranks } = staged;
         let rows = &mut rows[leaf_idx * LANES..(leaf_idx + 1) * LANES];
         let (masks, ranks) = (&mut masks[leaf_idx], &mut ranks[leaf_idx]);

@@ -26,6 +26,8 @@ pub(super) struct BlockQuestion<'a> {
     pub(super) bounds: BoxBounds,
     /// Groups may be this wide in the middle of their way.
     pub(super) group_width: f32,
+    /// How many of sixteen rays are tried as the first of a group.
+    pub(super) leader_count: usize,
     pub(super) question: Question,
 }
 

@@ -17,7 +17,8 @@ use rayflock_geom::simd::ray_boxes::{BoxBlock, BoxLanes};
 use rayflock_geom::simd::triangle_boxes::sphere_boxes;
 use rayflock_geom::simd::{LANES, Simd, SimdBase, SimdMask, u32x16};
 
-use super::tree::{Child, OtherLeaf, Tree};
+use super::tree::{Kind, Nodes, OtherLeaf, Tree};
+use super::tree_shape::Child;
 use crate::TraceStats;
 use crate::triangle_leaf::TriangleLeaf;
 
@@ -84,28 +85,42 @@ impl TreeWalk {
         travellers: &mut T,
         stats: &mut TraceStats,
     ) {
-        if list.is_empty() || tree.is_empty() {
+        if list.is_empty() {
             return;
         }
         self.lists.clear();
         self.lists.extend_from_slice(list);
         self.lists.resize(list.len().next_multiple_of(LANES), 0);
-        let child = Child::Node(tree.level_count() - 1, 0);
-        self.visits.push(Visit { child, first: 0, len: list.len() });
-        while let Some(visit) = self.visits.pop() {
-            let list = visit.first..visit.first + visit.len;
-            match visit.child {
-                Child::Node(level, node_idx) => {
-                    self.visit_node(simd, tree, [level, node_idx], face, visit, travellers, stats);
-                }
-                Child::Triangles(leaf_idx) => {
-                    let leaf = &tree.triangle_leaves[leaf_idx];
-                    travellers.meet_triangles(simd, leaf, face, &self.lists[list], stats);
-                }
-                Child::Others(leaf_idx) => {
-                    let leaf = &tree.other_leaves[leaf_idx];
-                    let boxes = T::ready(sphere_boxes(simd, &leaf.bounds, face_axes(face)));
-                    travellers.meet_others(simd, leaf, &boxes, &self.lists[list], stats);
+        for half in tree.halves() {
+            let (kind, nodes) = half;
+            if nodes.is_empty() {
+                continue;
+            }
+            let root = Child::Node(nodes.boxes.len() - 1);
+            self.visits.push(Visit { child: root, first: 0, len: list.len() });
+            while let Some(visit) = self.visits.pop() {
+                let list = visit.first..visit.first + visit.len;
+                match (visit.child, kind) {
+                    (Child::Node(node_idx), _) => {
+                        self.visit_node(
+                            simd,
+                            (tree, half),
+                            node_idx,
+                            face,
+                            visit,
+                            travellers,
+                            stats,
+                        );
+                    }
+                    (Child::Leaf(leaf_idx), Kind::Triangles) => {
+                        let leaf = &tree.triangle_leaves[leaf_idx];
+                        travellers.meet_triangles(simd, leaf, face, &self.lists[list], stats);
+                    }
+                    (Child::Leaf(leaf_idx), Kind::Others) => {
+                        let leaf = &tree.other_leaves[leaf_idx];
+                        let boxes = T::ready(sphere_boxes(simd, &leaf.bounds, face_axes(face)));
+                        travellers.meet_others(simd, leaf, &boxes, &self.lists[list], stats);
+                    }
                 }
             }
         }
@@ -117,17 +132,16 @@ impl TreeWalk {
     fn visit_node<S: Simd, T: Travellers<S>>(
         &mut self,
         simd: S,
-        tree: &Tree,
-        [level, node_idx]: [usize; 2],
+        (tree, half): (&Tree, (Kind, &Nodes)),
+        node_idx: usize,
         face: usize,
         visit: Visit,
         travellers: &T,
         stats: &mut TraceStats,
     ) {
-        let boxes = tree.boxes(level, node_idx);
+        let (boxes, links) = (&half.1.boxes[node_idx], &half.1.shape.links[node_idx]);
         let any = self.cross(simd, &T::ready(boxes.load(simd, face_axes(face))), visit, travellers);
-        let child_count = tree.child_count(level, node_idx);
-        let any = any & (u32::MAX >> (32 - child_count));
+        let any = any & (u32::MAX >> (32 - links.count));
         stats.box_tests += (visit.len * LANES) as u64;
         stats.bytes += size_of_val(boxes) as u64;
 
@@ -137,8 +151,8 @@ impl TreeWalk {
         let before = top;
         for lane in order {
             let len = self.append_list(simd, visit, lane, top);
-            let child = tree.child(level, node_idx, lane);
-            tree.ask_for(child);
+            let child = links.child(lane);
+            tree.ask_for(half, child);
             self.visits.push(Visit { child, first: top, len });
             top += len;
         }

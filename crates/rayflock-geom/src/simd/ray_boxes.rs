@@ -112,8 +112,7 @@ pub struct BoxLanes<S: Simd> {
     pub(super) half_size: [f32x16<S>; 3],
 }
 
-/// A box. Its half size may be too small by a few rounding units of itself, which the margin of
-/// [`BoxRay`] makes up for.
+/// A box.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BoxBounds {
     /// The centre.
@@ -129,7 +128,9 @@ impl BoxBounds {
         let min = (min - CORNER_ERROR * min.abs()).max(Vec3::MIN);
         let max = (max + CORNER_ERROR * max.abs()).min(Vec3::MAX);
         let center = 0.5 * min + 0.5 * max;
-        Self { center, half_size: (max - center).max(center - min).min(Vec3::MAX) }
+        // Rounding does not add up through the levels of a tree: no box is smaller than it should be.
+        let half_size = (max - center).max(center - min) * (1.0 + f32::EPSILON);
+        Self { center, half_size: half_size.min(Vec3::MAX) }
     }
 
     /// The box around sixteen boxes, given by their corners.
