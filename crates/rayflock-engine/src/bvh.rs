@@ -207,7 +207,7 @@ fn list_wanted(table: &PrimitiveTable, is_chosen: impl Fn(usize) -> bool, wanted
 /// leaf anyway; else enough for long lists there.
 fn block_len(ray_count: usize, prim_count: usize, has_order: bool) -> usize {
     let longest = match prim_count {
-        _ if has_order => 16 << 10,
+        _ if has_order => 8 << 10,
         0..131_072 => 16 << 10,
         131_072..524_288 => 64 << 10,
         _ => 256 << 10,
