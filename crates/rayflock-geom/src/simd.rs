@@ -11,7 +11,7 @@
 //! level gives the same bits.
 
 pub mod aligned_rays;
-mod axes;
+pub mod axes;
 pub mod cone_sphere;
 pub mod face;
 pub mod face_boxes;

@@ -1,19 +1,14 @@
-//! Three columns of sixteen lanes: points, directions or colours at work.
+//! Three columns of sixteen lanes: points, directions or colours at work. What needs no more than
+//! the kernels of geometry have is theirs.
 
 use bytemuck::NoUninit;
-use glam::Vec3;
 use rayflock_geom::simd::{
-    LANES, Lanes, Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16, point_columns,
+    LANES, Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16, point_columns,
 };
 
-/// x, y and z, or the three colours, of sixteen lanes.
-pub(crate) type Triple<S> = [f32x16<S>; 3];
-
-#[inline(always)]
-pub(crate) fn load<S: Simd>(simd: S, columns: &[Lanes; 3]) -> Triple<S> {
-    let load = f32x16::from_slice;
-    [load(simd, &columns[0]), load(simd, &columns[1]), load(simd, &columns[2])]
-}
+pub(crate) use rayflock_geom::simd::axes::{
+    Axes as Triple, dot, load_axes as load, splat_axes as splat, store_axes as store, subtract,
+};
 
 /// The three columns that begin `offset` bytes into each of sixteen rows.
 ///
@@ -32,29 +27,8 @@ pub(crate) fn columns_at<S: Simd, R: NoUninit>(
 }
 
 #[inline(always)]
-pub(crate) fn store<S: Simd>(values: &Triple<S>, columns: &mut [Lanes; 3]) {
-    values.iter().zip(columns).for_each(|(value, column)| value.store_slice(column));
-}
-
-#[inline(always)]
-pub(crate) fn splat<S: Simd>(simd: S, vector: Vec3) -> Triple<S> {
-    let splat = f32x16::splat;
-    [splat(simd, vector.x), splat(simd, vector.y), splat(simd, vector.z)]
-}
-
-#[inline(always)]
-pub(crate) fn dot<S: Simd>(a: &Triple<S>, b: &Triple<S>) -> f32x16<S> {
-    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
-}
-
-#[inline(always)]
 pub(crate) fn add<S: Simd>(a: &Triple<S>, b: &Triple<S>) -> Triple<S> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-#[inline(always)]
-pub(crate) fn subtract<S: Simd>(a: &Triple<S>, b: &Triple<S>) -> Triple<S> {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline(always)]
@@ -67,7 +41,7 @@ pub(crate) fn scale<S: Simd>(a: &Triple<S>, factor: f32x16<S>) -> Triple<S> {
 #[inline(always)]
 pub(crate) fn normalized_or_zero<S: Simd>(simd: S, a: &Triple<S>) -> Triple<S> {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let factor = one / dot(a, a).sqrt();
+    let factor = one / dot(*a, *a).sqrt();
     let has_length = factor.simd_gt(zero) & factor.simd_lt(f32x16::splat(simd, f32::INFINITY));
     let unit = scale(a, factor);
     [

@@ -91,13 +91,13 @@ impl<S: Simd> PointColumns<S> {
     #[inline(always)]
     fn reflect(&self, simd: S, to_light: &Triple<S>) -> (Triple<S>, mask32x16<S>) {
         let zero = f32x16::splat(simd, 0.0);
-        let cos = dot(&self.normal, to_light);
+        let cos = dot(self.normal, *to_light);
         let faces = !cos.simd_le(zero);
         let mut sum = scale(&self.diffuse, cos);
         let is_shiny = faces & is_something(simd, &self.specular);
         if is_shiny.any_true() {
             let halfway = normalized_or_zero(simd, &add(&self.to_viewer, to_light));
-            let base = dot(&self.normal, &halfway).max(zero);
+            let base = dot(self.normal, halfway).max(zero);
             let strength = power(simd, base, self.shininess.max(zero));
             let with_highlight = add(&sum, &scale(&self.specular, strength));
             select(is_shiny, &mut sum, &with_highlight);
@@ -126,21 +126,21 @@ impl<S: Simd> Arriving<S> {
                 Self::new_where_finite(simd, splat(simd, to_light), splat(simd, irradiance))
             }
             LightKind::Point { position: source, intensity, falloff } => {
-                let offset = subtract(&splat(simd, source), position);
+                let offset = subtract(splat(simd, source), *position);
                 let squared = match falloff {
-                    Falloff::InverseSquare => dot(&offset, &offset),
+                    Falloff::InverseSquare => dot(offset, offset),
                     Falloff::Constant => one,
                 };
                 let irradiance = divided(&splat(simd, intensity), squared);
                 Self::new_where_finite(simd, normalized_or_zero(simd, &offset), irradiance)
             }
             LightKind::Spot { position: source, direction, intensity, cos_inner, cos_outer } => {
-                let offset = subtract(&splat(simd, source), position);
+                let offset = subtract(splat(simd, source), *position);
                 let to_light = normalized_or_zero(simd, &offset);
                 let axis = splat(simd, -direction.normalize_or_zero());
-                let share = cone_share(simd, dot(&to_light, &axis), cos_inner, cos_outer);
+                let share = cone_share(simd, dot(to_light, axis), cos_inner, cos_outer);
                 let full = scale(&splat(simd, intensity), share);
-                Self::new_where_finite(simd, to_light, divided(&full, dot(&offset, &offset)))
+                Self::new_where_finite(simd, to_light, divided(&full, dot(offset, offset)))
             }
         }
     }

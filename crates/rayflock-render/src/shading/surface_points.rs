@@ -146,7 +146,7 @@ impl Columns {
 
         // Turn the normal to the viewer, and step off the surface.
         let outward = columns_at(simd, rows, offset_of!(Row, outward));
-        let from_outside = dot(&outward, &direction).simd_le(f32x16::splat(simd, 0.0));
+        let from_outside = dot(outward, direction).simd_le(f32x16::splat(simd, 0.0));
         let facet_normal = scale(&outward, sign(simd, from_outside));
         let slack = slack(simd, &corners);
         let mut found = Smooth {
@@ -200,15 +200,15 @@ impl<S: Simd> Smooth<S> {
         if !is_smooth.any_true() {
             return;
         }
-        let side = sign(simd, !dot(&normal, &facet_normal).simd_lt(zero));
+        let side = sign(simd, !dot(normal, facet_normal).simd_lt(zero));
         select(is_smooth, &mut self.normal, &scale(&normal, side));
 
         let mut is_lifted = is_smooth;
         let mut lifts = [[zero; 3]; 3];
         for ((unit, corner), lift) in units.iter_mut().zip(corners).zip(&mut lifts) {
             *unit = scale(unit, side);
-            is_lifted &= dot(unit, &facet_normal).simd_gt(smooth_cos);
-            *lift = scale(unit, dot(&subtract(corner, position), unit).max(zero));
+            is_lifted &= dot(*unit, facet_normal).simd_gt(smooth_cos);
+            *lift = scale(unit, dot(subtract(*corner, *position), *unit).max(zero));
         }
         let lifted = add(&self.shadow_position, &weighted(&lifts, shares));
         select(is_lifted, &mut self.shadow_position, &lifted);

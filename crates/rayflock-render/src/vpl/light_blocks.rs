@@ -107,9 +107,9 @@ impl LitBlock {
         let end = splat(simd, light.position);
         let position = load(simd, &self.points.position);
         let offset = [end[0] - position[0], end[1] - position[1], end[2] - position[2]];
-        let mut faces = dot(&offset, &load(simd, &self.points.normal)).simd_gt(zero);
+        let mut faces = dot(offset, load(simd, &self.points.normal)).simd_gt(zero);
         if light.evenness <= 0.0 {
-            faces &= dot(&offset, &splat(simd, light.normal)).simd_lt(zero);
+            faces &= dot(offset, splat(simd, light.normal)).simd_lt(zero);
         }
         faces.to_bitmask() as u32
     }
@@ -168,7 +168,7 @@ impl LitBlock {
             position: load(simd, &self.points.position),
             normal,
             to_viewer,
-            cos_viewer: dot(&normal, &to_viewer),
+            cos_viewer: dot(normal, to_viewer),
             shininess: f32x16::from_slice(simd, &self.shininess),
         }
     }
@@ -190,11 +190,11 @@ impl LitBlock {
             let way = Way::new::<SHINY>(simd, &viewed, light);
             let terms = way.at_point * way.at_light;
             let sent = way.sent(simd, light, f32::INFINITY);
-            let mut sum = terms.min(bound) * dot(&diffuse, &sent);
+            let mut sum = terms.min(bound) * dot(diffuse, sent);
             if SHINY && let Some(strength) = way.highlight(simd, &viewed, f32::INFINITY) {
                 let all = strength * way.at_light;
                 let kept = terms.simd_gt(bound).select(all * bound / terms, all);
-                sum += kept * dot(&specular, &sent);
+                sum += kept * dot(specular, sent);
             }
             sum.store_slice(weight);
         }

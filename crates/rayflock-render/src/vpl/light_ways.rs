@@ -82,12 +82,12 @@ impl<S: Simd> Way<S> {
         let end = splat(simd, light.position);
         let offset =
             [end[0] - points.position[0], end[1] - points.position[1], end[2] - points.position[2]];
-        let squared = dot(&offset, &offset);
+        let squared = dot(offset, offset);
         let is_needed = SHINY || light.evenness != 0.0 || light.lobe.is_some();
         let distance = if is_needed { squared.sqrt() } else { zero };
         let inverse = one / squared.max(f32x16::splat(simd, f32::MIN_POSITIVE));
-        let rise = dot(&offset, &points.normal);
-        let facing = zero - dot(&offset, &splat(simd, light.normal));
+        let rise = dot(offset, points.normal);
+        let facing = zero - dot(offset, splat(simd, light.normal));
         let evenly = facing + distance * f32x16::splat(simd, light.evenness);
         let at_point = rise.max(zero) * inverse;
         let at_light = evenly.max(zero) * inverse;
@@ -108,7 +108,7 @@ impl<S: Simd> Way<S> {
             let_out = one - f32x16::splat(simd, lobe.varnish) * (squared * squared * sideways);
         }
         // Halfway between the ways to the source and to the point.
-        let along = dot(&self.offset, &splat(simd, lobe.to_source));
+        let along = dot(self.offset, splat(simd, lobe.to_source));
         let of_source = f32x16::splat(simd, light.normal.dot(lobe.to_source));
         let halfway = of_source * self.distance + self.facing;
         let length = self.squared - self.distance * along;
@@ -127,7 +127,7 @@ impl<S: Simd> Way<S> {
     #[inline(always)]
     pub(super) fn highlight(&self, simd: S, points: &Viewed<S>, faint: f32) -> Option<f32x16<S>> {
         let zero = f32x16::splat(simd, 0.0);
-        let along = dot(&self.offset, &points.to_viewer);
+        let along = dot(self.offset, points.to_viewer);
         let halfway = points.cos_viewer * self.distance + self.rise;
         let length = self.squared + self.distance * along;
         let strength = halfway_power(simd, (halfway, length), points.shininess, faint)?;
