@@ -42,6 +42,9 @@ pub(crate) struct Alike {
     pub(crate) reach: f32,
     /// Their unit normals lie within this distance of their mean.
     pub(crate) spread: f32,
+    /// Whether points that face one side of a cube are looked at together: neighbours on an edge or
+    /// a figure find more in a row that face alike, but tiles of lookouts become wider.
+    pub(crate) by_side: bool,
 }
 
 /// Stands for no point.
@@ -119,9 +122,7 @@ impl SharedLookouts {
         self.sorted.clear();
         self.sorted.extend((0_u32..).zip(positions).map(point));
         place_on_curve(&mut self.sorted);
-        // What faces the same way follows each other: neighbours on an edge or a figure would not
-        // find sixteen in a row that do.
-        for point in &mut self.sorted {
+        for point in self.sorted.iter_mut().filter(|_| alike.by_side) {
             point.code = (side(normals[point.idx as usize]) << 29) | (point.code >> 1);
         }
         self.sorted.sort_unstable_by_key(|point| (point.code, point.idx));
@@ -225,7 +226,7 @@ mod tests {
                 cells.iter().map(|cell| if cell.2 { Vec3::X } else { Vec3::Y }).collect();
             let mut found = vec![0; cells.len()];
             let mut sizes = Vec::new();
-            let alike = Alike { most, reach: REACH, spread: 0.3 };
+            let alike = Alike { most, reach: REACH, spread: 0.3, by_side: most > 16 };
             SharedLookouts::default().for_each_tile(&positions, &normals, alike, |tile| {
                 assert!(tile.per_lookout <= most);
                 sizes.push(tile.per_lookout);
@@ -251,7 +252,7 @@ mod tests {
         let at = |i: u16| Vec3::new(f32::from(i), 0.0, 0.0) / 1024.0;
         let positions: Vec<_> = (0..1024).map(at).collect();
         let normals: Vec<_> = [Vec3::Y, Vec3::Z].into_iter().cycle().take(1024).collect();
-        let alike = Alike { most: 64, reach: 0.1, spread: 0.3 };
+        let alike = Alike { most: 64, reach: 0.1, spread: 0.3, by_side: true };
         let mut lookouts = 0;
         SharedLookouts::default().for_each_tile(&positions, &normals, alike, |tile| {
             lookouts += tile.lookouts.len();
@@ -265,7 +266,7 @@ mod tests {
         let positions: Vec<_> = (0..4096).map(at).collect();
         let mut lookouts = 0;
         let normals = vec![Vec3::Y; positions.len()];
-        let alike = Alike { most: 16, reach: 0.06, spread: 0.3 };
+        let alike = Alike { most: 16, reach: 0.06, spread: 0.3, by_side: false };
         SharedLookouts::default().for_each_tile(&positions, &normals, alike, |tile| {
             lookouts += tile.lookouts.len();
         });

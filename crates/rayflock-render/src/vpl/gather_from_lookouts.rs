@@ -98,7 +98,7 @@ impl LookoutGatherer {
     ) -> (GatherStats, StageStats) {
         let _span = debug_span!("gather_from_lookouts").entered();
         let reach = REACH * lights.lights.reach();
-        let alike = Alike { most: settings.points, reach, spread: SPREAD };
+        let alike = Alike { most: settings.points, reach, spread: SPREAD, by_side: true };
         self.runs.resize_with(runs.len().max(self.runs.len()), LookoutCells::default);
         let cells = self.runs.par_iter_mut().zip(&*runs);
         cells.for_each(|(cells, run)| cells.assign(run, alike));

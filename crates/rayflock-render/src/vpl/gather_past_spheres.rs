@@ -179,7 +179,7 @@ impl AllLights<'_> {
         let tests_before = of_tile.sight.tests();
         let mut stats = GatherStats::default();
         let reach = self.tree.reach_of_lookouts();
-        let alike = Alike { most: MOST_SHARING, reach, spread: SPREAD };
+        let alike = Alike { most: MOST_SHARING, reach, spread: SPREAD, by_side: false };
         sharing.for_each_tile(positions, normals, alike, |tile| {
             self.gather_tile(tile, points, of_tile);
             hand_out((&of_tile.blocks, &tile.blocks), points, lit, &mut stats);
