@@ -22,27 +22,29 @@
 //! around rays that go alike). For what is kept from frame to frame see `leaf_order`, for trees by
 //! area `split_by_area`.
 //!
-//! **Departures.** The curve is Hilbert's, and over it all leaves and nodes are full. Lists hold the rays that leave through one face of a cube, so
-//! that they share the order of axes. Groups are looked for in sixteen neighbours at a time: what
-//! does not go like the first of those left is split off, and whoever has no company travels alone;
-//! so does what is left after two where the batch is said to have no order. A group that has met too many triangles is dissolved:
-//! its rays go on alone, with the hits that they have (`ray_group`).
+//! **Departures.** The curve is Hilbert's, and over it all leaves and nodes are full. Lists hold
+//! the rays that leave through one face of a cube, so that they share the order of axes. Groups
+//! are looked for in sixteen neighbours at a time: what does not go like the first of those left
+//! is split off, and whoever has no company travels alone; so does what is left after two where
+//! the batch is said to have no order. A group that has met too many triangles is dissolved: its
+//! rays go on alone, with the hits that they have (`ray_group`).
 //!
 //! **Invariants.** Boxes are conservative (`simd::ray_boxes`, `simd::ray_beams`,
 //! `simd::triangle_boxes`): a primitive that the accepting test would hit is in a leaf that the ray
 //! gets to, unless a nearer hit was found before. Which tree an object is in changes speed, never
 //! an answer.
 //!
-//! **Cost.** Per frame, two passes over what changed and a sort of it, with the leaves some 13 ns a
-//! triangle on two AVX-512 server cores, 130 ns by area; 69 bytes a triangle above the table, half
-//! as much again by area; trees are built when the first batch of a frame comes. Per ray, 64 bytes
-//! in a block, 128 in a group. Groups took 1K triangles x 1M mirrored rays from 66 to 18 ms (the same cores).
-//! Loading, grouping and answering a ray are some 30 cycles, a node 17 a single ray and 45 a group,
-//! a leaf 45 a single ray. Dissolving groups took shadows of a dense teapot in a wide arena (158K
-//! triangles, 230K rays) from 49 to 5.4 ms, its mirrored rays from 32 to 6.5 ms. Asking about the
-//! boxes of spheres first, and dissolving groups by spheres as well, took shadows among 100K of
-//! them (225K rays) from 207 to 18 ms. Looking for groups among shadow rays toward a lamp as well,
-//! and trees by area, took museum7 at rest from 83 to 41 ms a picture (800 x 600).
+//! **Cost.** Per frame, two passes over what changed and a sort of it, with the leaves some 13 ns
+//! a triangle on two AVX-512 server cores, 130 ns by area; 69 bytes a triangle above the table, by
+//! area somewhat more and what splitting keeps; trees are built when the first batch of a frame
+//! comes. Per ray, 64 bytes in a block, 128 in a group. Groups took 1K triangles x 1M mirrored
+//! rays from 66 to 18 ms (the same cores). Loading, grouping and answering a ray are some 30
+//! cycles, a node 17 a single ray and 45 a group, a leaf 45 a single ray. Dissolving groups took
+//! shadows of a dense teapot in a wide arena (158K triangles, 230K rays) from 49 to 5.4 ms, its
+//! mirrored rays from 32 to 6.5 ms. Asking about the boxes of spheres first, and dissolving groups
+//! by spheres as well, took shadows among 100K of them (225K rays) from 207 to 18 ms. Looking for
+//! groups among shadow rays toward a lamp as well, and trees by area, took museum7 at rest from 83
+//! to 41 ms a picture (800 x 600).
 //!
 //! **Did not pay.** Sending rays of short lists through the rest of a tree one by one, nearest box
 //! first; asking for the vertices of triangles ahead when leaves are written; huge pages; cutting

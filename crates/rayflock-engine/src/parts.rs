@@ -4,7 +4,8 @@
 //! An object may move to the kept tree once it has rested for a frame. The kept tree is built
 //! anew when the primitives that rested outside of it, summed over the frames since it was built,
 //! are as many as it would hold: by then, fresh trees have cost about as much as building it, so
-//! together both cost at most about twice what the best choice would have. When one of its
+//! together both cost at most about twice what the best choice would have (a better order is paid
+//! for by rays, see `bvh`'s `leaf_order`). When one of its
 //! objects changes, all objects are fresh again.
 
 use rayflock_geom::{Geometry, GeometryObject};

@@ -15,6 +15,11 @@
 //!
 //! **Departures.** A leaf costs the same with one primitive as with sixteen, for these are tested
 //! at once. So cuts count leaves, not primitives, and what fits into one leaf is one.
+//!
+//! **Invariants.** Each primitive is in one leaf, of 1 to 16; each leaf and each node but the root
+//! hangs in one place, and nodes come after what hangs from them.
+//!
+//! **Cost.** 130 ns a primitive on two AVX-512 server cores; some 95 bytes a primitive, kept.
 
 mod cut_in_two;
 mod wide_nodes;

@@ -1,4 +1,4 @@
-//! Reads triangles in the order of the curve, for two leaves at a time.
+//! Reads triangles in the order of the leaves, for two of these at a time.
 //!
 //! A mesh has the nine coordinates of a triangle in one to four lines of the cache. Its rows are
 //! copied one after the other and then brought into columns by shuffles. Corners are brought into

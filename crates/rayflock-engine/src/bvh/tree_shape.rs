@@ -9,7 +9,8 @@
 //!
 //! Over an order along a curve the shape is [full](TreeShape::fill): runs of sixteen are leaves,
 //! sixteen leaves a node, sixteen nodes a node. Where it is worth more time, `split_by_area` finds
-//! one that fits the geometry.
+//! one that fits the geometry. Either is written from the bottom: all leaves, their end, then level
+//! after level.
 
 use std::ops::Range;
 
@@ -111,7 +112,7 @@ impl TreeShape {
         self.leaf_starts.push(first as u32);
     }
 
-    /// Ends the last leaf.
+    /// Ends the last leaf, and begins the lowest level of nodes.
     pub(super) fn end_leaves(&mut self, prim_count: usize) {
         self.leaf_starts.push(prim_count as u32);
         self.level_starts.push(0);
@@ -123,7 +124,7 @@ impl TreeShape {
         self.links.len() - 1
     }
 
-    /// Ends a level of nodes.
+    /// Ends a level of nodes, and begins the next.
     pub(super) fn end_level(&mut self) {
         self.level_starts.push(self.links.len());
     }
@@ -149,5 +150,26 @@ impl TreeShape {
         self.leaf_starts.capacity() * size_of::<u32>()
             + self.links.capacity() * size_of::<Links>()
             + self.level_starts.capacity() * size_of::<usize>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn full_shapes_hold_all_leaves_and_nodes_once() {
+        for prim_count in [0, 1, 16, 17, 256, 257, 4097] {
+            let mut shape = TreeShape::default();
+            shape.fill(prim_count);
+            assert_eq!(shape.leaf_count(), prim_count.div_ceil(LANES));
+            let prims = (0..shape.leaf_count()).flat_map(|leaf_idx| shape.leaf(leaf_idx));
+            assert!(prims.eq(0..prim_count), "{prim_count} primitives");
+            let children: Vec<_> = shape.links.iter().flat_map(Links::children).collect();
+            let leaves = (0..shape.leaf_count()).map(Child::Leaf);
+            let nodes = (0..shape.links.len().saturating_sub(1)).map(Child::Node);
+            assert!(children.into_iter().eq(leaves.chain(nodes)), "{prim_count} primitives");
+            assert!(shape.levels().flatten().eq(0..shape.links.len()));
+        }
     }
 }

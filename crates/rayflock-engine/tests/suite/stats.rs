@@ -128,6 +128,37 @@ fn a_false_claim_that_nothing_changed_does_no_harm() {
     }
 }
 
+/// An object that is hidden by a scale of zero, rests so, shows itself, moves, hides and vanishes.
+#[test]
+fn nothing_stays_of_what_was_hidden() {
+    let corners = vec![Vec3::new(3.0, -9.0, -9.0), Vec3::new(3.0, 9.0, -9.0), 3.0 * Vec3::ONE];
+    let wall = Arc::new(Mesh::from_triangles(corners, vec![[0, 1, 2]]).unwrap());
+    let object = |place: Affine3A| {
+        vec![GeometryObject::new(ObjectId(0), Arc::clone(&wall)).with_transform(place)]
+    };
+    let hidden = || object(Affine3A::from_scale(Vec3::ZERO));
+    let frames = [
+        (hidden(), f32::INFINITY),
+        (hidden(), f32::INFINITY),
+        (object(Affine3A::IDENTITY), 3.0),
+        (object(Affine3A::from_translation(Vec3::X)), 4.0),
+        (hidden(), f32::INFINITY),
+        (Vec::new(), f32::INFINITY),
+    ];
+    let rays = vec![Vec3::X; 40];
+    let batch = RayBatch::new(Vec3::NEG_Z, &rays).unwrap();
+    for mut subject in Subject::all() {
+        let mut previous = Geometry::default();
+        for (step, (objects, t)) in frames.iter().enumerate() {
+            let frame = Geometry::new(objects.clone()).unwrap();
+            subject.commit(&frame, &FrameChanges::between(&previous, &frame));
+            let (hits, _) = subject.trace(&batch);
+            assert_eq!(hits.t, [*t; 40], "{}, step {step}", subject.name);
+            previous = frame;
+        }
+    }
+}
+
 #[test]
 fn nothing_is_hit_where_nothing_is() {
     let empty_objects = (0..3).map(|id| GeometryObject::new(ObjectId(id), Mesh::default()));

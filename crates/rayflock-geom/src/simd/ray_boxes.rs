@@ -128,7 +128,7 @@ impl BoxBounds {
         let min = (min - CORNER_ERROR * min.abs()).max(Vec3::MIN);
         let max = (max + CORNER_ERROR * max.abs()).min(Vec3::MAX);
         let center = 0.5 * min + 0.5 * max;
-        // Rounding does not add up through the levels of a tree: no box is smaller than it should be.
+        // No box is smaller than it should be: rounding must not add up from level to level.
         let half_size = (max - center).max(center - min) * (1.0 + f32::EPSILON);
         Self { center, half_size: half_size.min(Vec3::MAX) }
     }

@@ -1,4 +1,5 @@
-//! Cuts primitives in two where that is cheapest.
+//! Cuts primitives in two where that is cheapest: between bins along an axis, or, where these tell
+//! nothing or depth has no end, in halves.
 
 use glam::{UVec3, Vec3A};
 use rayflock_geom::simd::LANES;
@@ -62,6 +63,7 @@ impl Bounds {
 }
 
 /// Brings primitives into two parts; tells how many are in the first, and the boxes around both.
+#[inline(never)] // Bins are large, and callers recursive.
 pub(super) fn cut(prims: &mut [Boxed], depth: usize) -> (usize, [Bounds; 2]) {
     let middles = measure(prims, |prim| {
         let middle = prim.bounds.middle();
