@@ -66,7 +66,7 @@ mod tree_shape;
 mod walk_tree;
 
 use rayflock_geom::simd::ray_boxes::BoxBounds;
-use rayflock_geom::simd::{LANES, dispatch};
+use rayflock_geom::simd::{LANES, SimdLevel, dispatch};
 use rayflock_geom::{FrameChanges, Geometry, Hits, RayBatch, RayOrder};
 use tracing::debug_span;
 use web_time::Instant;
@@ -90,6 +90,14 @@ const GROUP_PRIMS: f32 = 8.0;
 /// order: neighbours may go alike all the same, as shadow rays of a picture do.
 const LEADERS_WITHOUT_ORDER: usize = 2;
 
+/// A tree that is built when a first batch comes.
+#[derive(Debug, Default)]
+struct LazyTree {
+    tree: Tree,
+    /// Whether it holds what it should in this frame.
+    is_built: bool,
+}
+
 /// Traces streams of rays through a tree that is built anew each frame.
 #[derive(Debug, Default)]
 pub struct BvhEngine {
@@ -98,13 +106,35 @@ pub struct BvhEngine {
     parts: Parts,
     builder: TreeBuilder,
     wanted: Wanted,
-    kept: Tree,
-    fresh: Tree,
-    /// Whether the trees hold the objects of this frame; they are built when a first batch comes.
-    kept_is_built: bool,
-    fresh_is_built: bool,
+    /// Over the objects that rest.
+    kept: LazyTree,
+    /// Over the objects that change.
+    fresh: LazyTree,
     /// Memory of tasks that are not running.
     scratch: Scratch<BlockTracer>,
+}
+
+impl LazyTree {
+    /// Gets ready for so many rays: builds the tree over the primitives that are `wanted`, or makes
+    /// the one that there is better.
+    fn prepare(
+        &mut self,
+        (simd, table): (SimdLevel, &PrimitiveTable),
+        builder: &mut TreeBuilder,
+        wanted: &Wanted,
+        ray_count: usize,
+    ) {
+        let Self { tree, is_built } = self;
+        if !*is_built {
+            let _span = debug_span!("build_tree").entered();
+            builder.build(simd, table, wanted, ray_count, tree);
+            *is_built = true;
+        } else if tree.order.is_worth_splitting(ray_count) {
+            let _span = debug_span!("build_tree").entered();
+            builder.improve(simd, table, tree);
+        }
+        tree.order.serve(ray_count);
+    }
 }
 
 impl BvhEngine {
@@ -117,35 +147,26 @@ impl BvhEngine {
     /// returns the nanoseconds that it took.
     fn build_trees(&mut self, ray_count: usize) -> u64 {
         let start = Instant::now();
-        let (simd, table) = (self.config.simd, &self.table);
-        for (is_kept, tree, is_built) in [
-            (true, &mut self.kept, &mut self.kept_is_built),
-            (false, &mut self.fresh, &mut self.fresh_is_built),
-        ] {
-            if !*is_built {
-                let _span = debug_span!("build_tree").entered();
-                *is_built = true;
-                let places = self.parts.places();
-                list_wanted(table, |idx| (places[idx] == Place::Kept) == is_kept, &mut self.wanted);
-                self.builder.build(simd, table, &self.wanted, ray_count, tree);
-            } else if tree.order.is_worth_splitting(ray_count) {
-                let _span = debug_span!("build_tree").entered();
-                self.builder.improve(simd, table, tree);
+        let Self { config, table, parts, builder, wanted, .. } = self;
+        let places = parts.places();
+        for (half, is_kept) in [(&mut self.kept, true), (&mut self.fresh, false)] {
+            if !half.is_built {
+                list_wanted(table, |idx| (places[idx] == Place::Kept) == is_kept, wanted);
             }
-            tree.order.serve(ray_count);
+            half.prepare((config.simd, table), builder, wanted, ray_count);
         }
         start.elapsed().as_nanos() as u64
     }
 
     /// The box around everything in the trees.
     fn bounds(&self) -> BoxBounds {
-        let bounds = [&self.fresh, &self.kept].into_iter().filter_map(Tree::bounds);
+        let bounds = [&self.fresh, &self.kept].into_iter().filter_map(|half| half.tree.bounds());
         bounds.reduce(|bounds, other| bounds.union(&other)).unwrap_or_default()
     }
 
     /// How wide groups of rays may be: as some primitives, were these spread evenly over a square.
     fn group_width(&self) -> f32 {
-        let leaf_count = self.fresh.leaf_count() + self.kept.leaf_count();
+        let leaf_count = self.fresh.tree.leaf_count() + self.kept.tree.leaf_count();
         let side = 2.0 * self.bounds().half_size.max_element();
         GROUP_PRIMS * side / ((leaf_count * LANES) as f32).sqrt()
     }
@@ -160,13 +181,13 @@ impl BvhEngine {
         let asked = BlockQuestion {
             table: &self.table,
             batch: rays,
-            trees: [&self.fresh, &self.kept],
+            trees: [&self.fresh.tree, &self.kept.tree],
             bounds: self.bounds(),
             group_width: self.group_width(),
             leader_count: if has_order { LANES } else { LEADERS_WITHOUT_ORDER },
             question: answers.question(),
         };
-        let prim_count = self.fresh.triangle_leaves.len() * LANES;
+        let prim_count = self.fresh.tree.triangle_leaves.len() * LANES;
         let block_len = block_len(rays.len(), prim_count, has_order);
         let _span = debug_span!("trace_blocks").entered();
         TraceStats { update_ns, ..self.trace_part(&asked, block_len, 0, answers) }
@@ -230,8 +251,8 @@ impl RayEngine for BvhEngine {
     ) -> Result<CommitStats, EngineError> {
         let stats = self.table.commit(geometry, changes);
         let change = self.parts.divide(self.table.geometry(), self.table.spans());
-        self.kept_is_built &= change == KeptChange::None;
-        self.fresh_is_built = false;
+        self.kept.is_built &= change == KeptChange::None;
+        self.fresh.is_built = false;
         Ok(stats)
     }
 
@@ -249,8 +270,8 @@ impl RayEngine for BvhEngine {
         self.table.memory_usage()
             + self.parts.memory_usage()
             + self.builder.memory_usage()
-            + self.kept.memory_usage()
-            + self.fresh.memory_usage()
+            + self.kept.tree.memory_usage()
+            + self.fresh.tree.memory_usage()
             + self.scratch.sum(BlockTracer::memory_usage)
     }
 }
