@@ -41,27 +41,13 @@ impl GpuContext {
     /// # Errors
     /// [`GpuError`] when there is none, or it cannot be used.
     pub fn new(choice: AdapterChoice) -> Result<Arc<Self>, GpuError> {
-        // Only what is told of stages depends on it.
-        Self::open(choice, Features::TIMESTAMP_QUERY)
-    }
-
-    /// Opens an adapter; programs use subgroups, if it has them. Answers are the same; which is
-    /// faster depends on the card.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn with_subgroups(choice: AdapterChoice) -> Result<Arc<Self>, GpuError> {
-        Self::open(choice, Features::TIMESTAMP_QUERY | Features::SUBGROUP)
-    }
-
-    /// Opens an adapter with those features of `wanted` that it has.
-    fn open(choice: AdapterChoice, wanted: Features) -> Result<Arc<Self>, GpuError> {
         let adapter = choose(choice)?;
         let summary = AdapterSummary::new(&adapter);
         check_limits(&adapter, &summary)?;
         let descriptor = DeviceDescriptor {
             required_limits: Limits::default(),
-            required_features: adapter.features() & wanted,
+            // Only what is told of stages depends on it.
+            required_features: adapter.features() & Features::TIMESTAMP_QUERY,
             ..Default::default()
         };
         let opened = pollster::block_on(adapter.request_device(&descriptor));
@@ -90,11 +76,6 @@ impl GpuContext {
     pub fn destroy(&self) {
         self.device.destroy();
         self.note("it was given up".to_owned());
-    }
-
-    /// Whether programs may use subgroups.
-    pub(crate) fn has_subgroups(&self) -> bool {
-        self.device.features().contains(Features::SUBGROUP)
     }
 
     /// Tells what went wrong, if anything did.

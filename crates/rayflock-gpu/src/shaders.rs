@@ -80,20 +80,18 @@ pub(crate) const REFINE: Shader =
     shader!("compute/refine", "shared/cone", "compute/params", "compute/append");
 pub(crate) const PLAN_LISTS: Shader = shader!("compute/plan_lists", "compute/params");
 pub(crate) const FILL_LISTS: Shader = shader!("compute/fill_lists", "compute/params");
-/// A stage of which there are forms for processors and for cards, without and with subgroups.
-macro_rules! four_forms {
+/// A stage of which there are forms for processors and for cards.
+macro_rules! both_forms {
     ($name:literal $(, $shared:literal)*) => {
         [
-            shader!($name $(, $shared)*, "compute/narrow", "compute/reduce_alone"),
-            shader!($name $(, $shared)*, "compute/wide", "compute/reduce_alone"),
-            shader!($name $(, $shared)*, "compute/narrow", "compute/reduce_subgroups"),
-            shader!($name $(, $shared)*, "compute/wide", "compute/reduce_subgroups")
+            shader!($name $(, $shared)*, "compute/narrow"),
+            shader!($name $(, $shared)*, "compute/wide")
         ]
     };
 }
 
-/// By [`Form::idx`](crate::compute::Form::idx).
-pub(crate) const TRACE_TILE: [Shader; 4] = four_forms!(
+/// By [`Form`](crate::compute::Form).
+pub(crate) const TRACE_TILE: [Shader; 2] = both_forms!(
     "compute/trace_tile",
     "shared/primitive",
     "shared/ray",
@@ -105,7 +103,8 @@ pub(crate) const TRACE_TILE: [Shader; 4] = four_forms!(
     "compute/params",
     "compute/tracer",
     "compute/meet_chunks",
-    "compute/meet_alone"
+    "compute/meet_alone",
+    "compute/reduce"
 );
 pub(crate) const BOUND_SCENE: Shader =
     shader!("shared/bound_scene", "shared/primitive", "shared/order");
@@ -293,8 +292,6 @@ pub(crate) const ALL: &[Shader] = &[
     FILL_LISTS,
     TRACE_TILE[0],
     TRACE_TILE[1],
-    TRACE_TILE[2],
-    TRACE_TILE[3],
     MARK_DIRECTIONS,
     OPEN_SUBFIELDS,
     WRITE_TILES,

@@ -7,13 +7,12 @@ use wgpu::Buffer;
 use crate::buffer::ReadBack;
 use crate::{AdapterChoice, GpuContext, list_adapters};
 
-/// A device on each adapter that can be used, with subgroups where there are any, which those of
-/// `tests/suite/` do not have; `tests/suite/` makes sure that there are as many as
+/// A device on each adapter that can be used; `tests/suite/` makes sure that there are as many as
 /// expected.
 pub(crate) fn contexts() -> &'static [Arc<GpuContext>] {
     static CONTEXTS: OnceLock<Vec<Arc<GpuContext>>> = OnceLock::new();
     let open = |number| {
-        let opened = GpuContext::with_subgroups(AdapterChoice::Number(number));
+        let opened = GpuContext::new(AdapterChoice::Number(number));
         opened.inspect_err(|error| eprintln!("skipped: {error}")).ok()
     };
     CONTEXTS.get_or_init(|| (0..list_adapters().len()).filter_map(open).collect())

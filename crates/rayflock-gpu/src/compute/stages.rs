@@ -5,36 +5,23 @@ use crate::GpuContext;
 use crate::pipeline::{ComputeStage, compute_stage};
 use crate::shaders;
 
-/// How the work on a tile is shared out among invocations: `compute/narrow.wgsl` or
-/// `compute/wide.wgsl`, and `compute/reduce_alone.wgsl` or `compute/reduce_subgroups.wgsl`.
+/// How the work on a tile is shared out among invocations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Form {
-    /// Some invocations a ray, for cards; else one, for processors.
-    pub(crate) is_wide: bool,
-    /// Numbers are brought together by subgroups.
-    pub(crate) has_subgroups: bool,
+pub(crate) enum Form {
+    /// One a ray, for processors: `compute/narrow.wgsl`.
+    Narrow,
+    /// Some a ray, for cards: `compute/wide.wgsl`.
+    Wide,
 }
 
 impl Form {
+    /// All of them.
+    #[cfg(test)]
+    pub(crate) const ALL: [Self; 2] = [Self::Narrow, Self::Wide];
+
     /// What suits a device.
     pub(crate) fn of(context: &GpuContext) -> Self {
-        let is_wide = !context.adapter().is_software();
-        Self { is_wide, has_subgroups: context.has_subgroups() }
-    }
-
-    /// All that a device can run.
-    #[cfg(test)]
-    pub(crate) fn all(context: &GpuContext) -> Vec<Self> {
-        let both = [false, true];
-        let forms = both
-            .into_iter()
-            .flat_map(|has_subgroups| both.map(|is_wide| Self { is_wide, has_subgroups }));
-        forms.filter(|form| !form.has_subgroups || context.has_subgroups()).collect()
-    }
-
-    /// Its place among the forms of a stage.
-    pub(crate) const fn idx(self) -> usize {
-        self.is_wide as usize + 2 * self.has_subgroups as usize
+        if context.adapter().is_software() { Self::Narrow } else { Self::Wide }
     }
 }
 
@@ -76,7 +63,7 @@ impl Stages {
             refine_nodes: refine(1.0),
             plan_lists: stage(shaders::PLAN_LISTS, &[]),
             fill_lists: stage(shaders::FILL_LISTS, &[]),
-            trace_tile: stage(shaders::TRACE_TILE[form.idx()], &[]),
+            trace_tile: stage(shaders::TRACE_TILE[form as usize], &[]),
         }
     }
 }

@@ -42,10 +42,8 @@ fn parse(shader: &Shader) -> Module {
 fn every_shader_is_valid() {
     for shader in ALL {
         let module = parse(shader);
-        // Nothing beyond what WebGPU has, but for forms of their own.
-        let has_subgroups = shader.source.contains("subgroup");
-        let beyond = if has_subgroups { Capabilities::SUBGROUP } else { Capabilities::empty() };
-        let mut validator = Validator::new(ValidationFlags::all(), beyond);
+        // Nothing beyond what WebGPU has.
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
         if let Err(error) = validator.validate(&module) {
             panic!("{}: {}", shader.name, error.emit_to_string(shader.source));
         }
