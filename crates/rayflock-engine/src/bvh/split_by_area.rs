@@ -37,7 +37,7 @@ use super::tree_shape::TreeShape;
 use crate::primitives::PrimitiveTable;
 
 /// Primitives that are worth a task of their own.
-const PRIMS_PER_TASK: usize = 4096;
+const PRIMS_PER_TASK: usize = 1024;
 
 /// Finds shapes, keeping its memory.
 #[derive(Debug, Default)]
