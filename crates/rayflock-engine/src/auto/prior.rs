@@ -22,7 +22,7 @@ struct Coefficients {
     moved_prim: f32,
     /// A ray.
     ray: f32,
-    /// A ray, for each doubling of the primitives from 4096 on.
+    /// A ray, for each doubling of the primitives from 1024 on.
     ray_level: f32,
     /// A ray and a primitive.
     test: f32,
@@ -39,9 +39,6 @@ const NOTHING: Coefficients = Coefficients {
     test: 0.0,
 };
 
-/// Fewer primitives than 2 to the power of this make rays no faster.
-const LEAST_LEVEL: u32 = 12;
-
 /// Nanoseconds that no engine takes.
 const NEVER: f32 = 1e15;
 
@@ -51,7 +48,7 @@ pub(super) fn trace_ns(kind: EngineKind, situation: &Situation, is_fresh: bool) 
     let (rays, prims) = (situation.ray_count as f32, situation.frame.prim_count as f32);
     let moved = situation.frame.changed_count as f32;
     let fresh = if is_fresh { moved } else { 0.0 };
-    let levels = log2(situation.frame.prim_count).saturating_sub(LEAST_LEVEL) as f32;
+    let levels = log2(situation.frame.prim_count).saturating_sub(10) as f32;
     costs.fixed
         + costs.prim * prims
         + costs.near_prim * prims.min(8.0 * rays)
@@ -90,20 +87,20 @@ fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
 
 fn of_bvh(class: RayClass) -> Coefficients {
     let [near_prim, fresh_prim, ray, ray_level] = match class {
-        RayClass::SharedOriginImage => [14.2, 23.5, 8.2, 5.3],
-        RayClass::SharedOrigin => [8.0, 19.1, 0.0, 16.9],
-        RayClass::SharedDirection => [9.9, 21.2, 0.0, 16.0],
-        RayClass::Ordered => [29.1, 20.3, 0.0, 23.1],
-        RayClass::Unordered => [11.1, 20.9, 24.5, 31.3],
+        RayClass::SharedOriginImage => [11.9, 16.5, 2.9, 3.4],
+        RayClass::SharedOrigin => [7.1, 15.9, 0.0, 6.2],
+        RayClass::SharedDirection => [13.8, 14.7, 0.0, 5.2],
+        RayClass::Ordered => [15.1, 15.3, 0.0, 8.2],
+        RayClass::Unordered => [5.0, 15.3, 0.0, 16.4],
     };
     Coefficients { fixed: 20_000.0, near_prim, fresh_prim, ray, ray_level, ..NOTHING }
 }
 
 fn of_hierarchy(class: RayClass) -> Coefficients {
     let [fixed, prim, near_prim, ray, ray_level] = match class {
-        RayClass::SharedOriginImage => [60_000.0, 3.3, 26.7, 7.2, 4.3],
-        RayClass::SharedOrigin => [60_000.0, 13.7, 46.5, 20.0, 3.3],
-        RayClass::SharedDirection => [60_000.0, 8.8, 38.8, 25.0, 2.8],
+        RayClass::SharedOriginImage => [78_000.0, 3.0, 16.5, 0.0, 3.7],
+        RayClass::SharedOrigin => [60_000.0, 11.8, 35.5, 13.7, 2.9],
+        RayClass::SharedDirection => [168_000.0, 6.7, 24.4, 13.5, 3.2],
         RayClass::Ordered | RayClass::Unordered => {
             return Coefficients {
                 fixed: 100_000.0,
