@@ -11,7 +11,7 @@
 //! monotone operations, so a ray whose point lies in a box, widened by the tolerance, is in one of
 //! the cells between those of the corners. Points outside the window count for its border.
 
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 
 use rayflock_geom::simd::LANES;
 use rayflock_geom::simd::face::{Face, FaceKind, RayPoints};
@@ -43,6 +43,8 @@ pub(super) struct Band {
     pub(super) face_idx: usize,
     pub(super) first_cell: usize,
     pub(super) end_cell: usize,
+    /// The first and the last strip of its face of which it has cells.
+    own_strips: [usize; 2],
     /// Its rays, where bands are not filled up to whole groups.
     pub(super) first_ray: usize,
     pub(super) end_ray: usize,
@@ -78,13 +80,8 @@ pub(super) struct FaceStrips {
 impl Band {
     /// The strips of its face from `first` to `last` of which it has cells.
     #[inline(always)]
-    pub(super) fn strips(
-        &self,
-        face: &FaceStrips,
-        [first, last]: [usize; 2],
-    ) -> RangeInclusive<usize> {
-        let own = [self.first_cell, self.end_cell - 1].map(|cell| cell / face.columns);
-        first.max(own[0] - face.first_strip)..=last.min(own[1] - face.first_strip)
+    pub(super) fn strips(&self, [first, last]: [usize; 2]) -> Range<usize> {
+        first.max(self.own_strips[0])..last.min(self.own_strips[1]) + 1
     }
 }
 
@@ -139,6 +136,12 @@ impl FaceStrips {
         let last = self.strip_count - 1;
         let strip = |y: f32| (((y - self.low[1]) * self.scale[1]).max(0.0) as usize).min(last);
         [strip(y0 - self.tolerance[1]), strip(y1 + self.tolerance[1])]
+    }
+
+    /// The columns from the first to the last between two x.
+    #[inline(always)]
+    pub(super) fn columns_between(&self, [x0, x1]: [f32; 2]) -> [usize; 2] {
+        [self.column(x0 - self.tolerance[0]), self.column(x1 + self.tolerance[0])]
     }
 
     /// The column of an x.
@@ -243,10 +246,12 @@ impl RayStrips {
                 let last = first + fitting.partition_point(fits).max(1);
                 let end_ray = self.cells[last] as usize;
                 let end_place = place + (end_ray - first_ray).next_multiple_of(LANES);
+                let strip_of = |cell: usize| cell / face.columns - face.first_strip;
                 self.bands.push(Band {
                     face_idx,
                     first_cell: first,
                     end_cell: last,
+                    own_strips: [strip_of(first), strip_of(last - 1)],
                     first_ray,
                     end_ray,
                     first_place: place,
@@ -274,18 +279,18 @@ impl RayStrips {
         }
     }
 
-    /// The groups of a band between two x of a strip of its face, if there are any.
+    /// The groups of a band in some columns of a strip of its face, if there are any.
     #[inline(always)]
     pub(super) fn groups(
         &self,
         face: &FaceStrips,
         band: &Band,
         strip: usize,
-        [x0, x1]: [f32; 2],
+        columns: [usize; 2],
     ) -> Range<usize> {
         let strip = (face.first_strip + strip) * face.columns;
-        let left = (strip + face.column(x0 - face.tolerance[0])).max(band.first_cell);
-        let end = (strip + face.column(x1 + face.tolerance[0]) + 1).min(band.end_cell);
+        let left = (strip + columns[0]).max(band.first_cell);
+        let end = (strip + columns[1] + 1).min(band.end_cell);
         if left >= end {
             return 0..0;
         }

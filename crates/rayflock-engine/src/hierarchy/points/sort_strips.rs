@@ -189,7 +189,9 @@ mod tests {
                     let ray_idx = &strips.ray_idx[band.first_place..band.end_place];
                     let mut groups: Vec<usize> = (face.strips(heights)[0]
                         ..=face.strips(heights)[1])
-                        .flat_map(|strip| strips.groups(face, band, strip, ends))
+                        .flat_map(|strip| {
+                            strips.groups(face, band, strip, face.columns_between(ends))
+                        })
                         .collect();
                     groups.dedup();
                     let rays = groups.iter().flat_map(|group| &ray_idx[group * LANES..][..LANES]);

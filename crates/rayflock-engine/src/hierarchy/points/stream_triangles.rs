@@ -185,7 +185,7 @@ impl Chunk {
         let bits = [slots, ranks, masks, low | (high << 16)];
         write_strip_rows(simd, corners, bits, &mut rows);
         while touches != 0 {
-            let row = rows[touches.trailing_zeros() as usize];
+            let row = &rows[touches.trailing_zeros() as usize];
             touches &= touches - 1;
             self.list(strips, face_idx, row.strips(), row);
         }
@@ -198,13 +198,13 @@ impl Chunk {
         strips: &RayStrips,
         face_idx: usize,
         [low, high]: [usize; 2],
-        row: StripRow,
+        row: &StripRow,
     ) {
         let first_strip = strips.faces[face_idx].first_strip;
         let [first, _] = strips.bands_of_strip[first_strip + low];
         let [_, last] = strips.bands_of_strip[first_strip + high];
         for list in &mut self.lists[first as usize..=last as usize] {
-            list.push(row);
+            list.push(*row);
         }
     }
 
@@ -228,7 +228,7 @@ impl Chunk {
             let [low, high] = placed.clip_y(ends, [y0, y1]);
             if ends[0] <= ends[1] && low <= high {
                 let touched = face.strips([low, high]);
-                self.list(strips, face_idx, touched, StripRow::of_slot(slots[lane]));
+                self.list(strips, face_idx, touched, &StripRow::of_slot(slots[lane]));
             }
         }
     }
@@ -245,7 +245,7 @@ impl Chunk {
                 if let Some(placed) = placed.filter(|_| !face.is_empty()) {
                     let [_, _, y0, y1] = placed.bounds;
                     let touched = face.strips([y0, y1]);
-                    self.list(strips, face_idx, touched, StripRow::of_slot(slot));
+                    self.list(strips, face_idx, touched, &StripRow::of_slot(slot));
                 }
             }
         }

@@ -210,9 +210,9 @@ impl BandTracer {
                 self.meet(simd, here, &FaceTriangle::of(&placed), &row, strips, stats);
                 continue;
             }
-            let ends = FaceTriangle::of(&placed).ends();
-            for strip in here.band.strips(face, strips) {
-                for group_idx in here.work.strips.groups(face, here.band, strip, ends) {
+            let columns = face.columns_between(FaceTriangle::of(&placed).ends());
+            for strip in here.band.strips(strips) {
+                for group_idx in here.work.strips.groups(face, here.band, strip, columns) {
                     self.note_other(group_idx, slot);
                 }
             }
@@ -232,15 +232,16 @@ impl BandTracer {
     ) {
         let Here { face, band, .. } = here;
         let is_tall = strips[1] - strips[0] + 1 >= TALL;
-        for strip in band.strips(face, strips) {
-            let mut ends = planes.ends();
+        let mut columns = face.columns_between(planes.ends());
+        for strip in band.strips(strips) {
             if is_tall {
-                ends = planes.clip(face.strip_y(strip));
+                let ends = planes.clip(face.strip_y(strip));
                 if ends[0] > ends[1] {
                     continue;
                 }
+                columns = face.columns_between(ends);
             }
-            let groups = here.work.strips.groups(face, band, strip, ends);
+            let groups = here.work.strips.groups(face, band, strip, columns);
             stats.box_tests += groups.len() as u64;
             for group_idx in groups {
                 self.test(simd, here, planes, row, group_idx, stats);
