@@ -48,7 +48,12 @@
 //!
 //! **Did not pay.** Sending rays of short lists through the rest of a tree one by one, nearest box
 //! first; asking for the vertices of triangles ahead when leaves are written; huge pages; cutting
-//! what fits into one leaf where the parts have less surface.
+//! what fits into one leaf where the parts have less surface; writing leaves past the cache; handing
+//! a list that all of it cross on to a child without copying it. Leaving out triangles that lie where
+//! none of a few rays goes, by the voxels that these cross, before a tree is built: a million
+//! triangles past 4K rays in no order took 20 instead of 23 ms, 256K no less. For rays in one
+//! direction, the boxes of nodes and the edges of triangles on the plane across it: a million of
+//! them past 64K triangles took as long as before, from above or toward suns.
 
 mod build_tree;
 mod config;

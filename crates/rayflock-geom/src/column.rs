@@ -3,6 +3,7 @@
 use bytemuck::Pod;
 use glam::Vec3;
 
+use crate::prefetch;
 use crate::simd::{LANES, Simd, point_columns};
 
 /// A value that a [`Column`] can hold, stored as consecutive scalars.
@@ -164,6 +165,16 @@ impl<'a, T: ColumnElement> Column<'a, T> {
         }
     }
 
+    /// Asks for the value of ray `ray_idx`, so that it is in the cache when it is read. Nothing
+    /// happens where all share one, or where there is none.
+    #[inline(always)]
+    pub fn ask_for(&self, ray_idx: usize) {
+        if let Self::PerRay { values, stride } = self {
+            let first = ray_idx.checked_mul(*stride).and_then(|start| values.get(start));
+            first.into_iter().for_each(prefetch);
+        }
+    }
+
     /// The values of sixteen rays from `first_ray` on, a lane a ray; the value of the last ray
     /// again where there are no more.
     ///
@@ -277,6 +288,16 @@ mod tests {
         assert_eq!(origins.get(1), Vec3::new(6.0, 7.0, 8.0));
         assert_eq!(directions.get(1), Vec3::new(9.0, 10.0, 11.0));
         assert_eq!(directions.skip(1).get(0), Vec3::new(9.0, 10.0, 11.0));
+    }
+
+    #[test]
+    fn any_ray_may_be_asked_for() {
+        let scalars = [1.0; 6];
+        for column in [Column::<Vec3>::packed(&scalars), Column::from(Vec3::X)] {
+            [0, 1, 2, u32::MAX as usize, usize::MAX]
+                .into_iter()
+                .for_each(|idx| column.ask_for(idx));
+        }
     }
 
     #[test]

@@ -38,6 +38,16 @@ impl RayColumns {
         present: 0,
     };
 
+    /// Asks for the rays at these positions, so that they are in the cache when they are fetched.
+    #[inline(always)]
+    pub(super) fn ask_for(batch: &RayBatch<'_>, ray_idx: &[u32]) {
+        for ray_idx in ray_idx.iter().map(|&ray_idx| ray_idx as usize) {
+            batch.origin().ask_for(ray_idx);
+            batch.direction().ask_for(ray_idx);
+            batch.t_max().ask_for(ray_idx);
+        }
+    }
+
     /// Fetches the rays at these positions of the batch; places without a ray repeat another.
     #[inline(always)]
     pub(super) fn gather<S: Simd>(&mut self, simd: S, batch: &RayBatch<'_>, ray_idx: &[u32]) {
