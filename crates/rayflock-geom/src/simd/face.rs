@@ -11,10 +11,10 @@
 //! ray is a point with a least nearness, a triangle three points with a nearness each, and one set
 //! of kernels serves both kinds.
 //!
-//! **Invariants.** Rejecting only, so everything carries a margin: an accepted ray's point lies
-//! within `margin` of the triangle of the projected corners, for each coordinate. `margin` covers
-//! what the accepting test moves a corner ([`PERTURBATION`] of
-//! its distance from the ray's origin) and the rounding of both projections:
+//! **Invariants.** Nothing here decides where rounding might, so everything carries a margin: an
+//! accepted ray's point lies within `margin` of the triangle of the projected corners, for each
+//! coordinate. `margin` covers what the accepting test moves a corner ([`PERTURBATION`] of its
+//! distance from the ray's origin) and the rounding of both projections:
 //! - central: with `s = 1 + x^2 + y^2` the corner moves by at most
 //!   `sqrt 2 (PERTURBATION + 4 u) s`, the ray's point by `6 u s`; together below
 //!   `3 * PERTURBATION * s`;
@@ -151,6 +151,21 @@ impl Face {
     #[inline(always)]
     pub fn begin<S: Simd>(&self, simd: S, points: &RayPoints<S>, t_min: f32x16<S>) -> f32x16<S> {
         self.nearness(simd, points, t_min, 1.0)
+    }
+
+    /// The least and the largest nearness between which rays accept hits for certain: their `t` lie
+    /// in the interval, zero and numbers out of range left out.
+    #[inline(always)]
+    pub fn surely<S: Simd>(
+        &self,
+        simd: S,
+        points: &RayPoints<S>,
+        [t_min, t_max]: [f32x16<S>; 2],
+    ) -> [f32x16<S>; 2] {
+        // What lies beyond the begin of what is beyond the end, lies before the end.
+        let t_max = t_max.min(f32x16::splat(simd, FARTHEST));
+        let t_min = t_min.max(f32x16::splat(simd, 1.0 / FARTHEST));
+        [self.begin(simd, points, t_max), self.limit(simd, points, t_min)]
     }
 
     /// Nearness at `t`, moved for rounding into the direction of `sign`.

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::axes::Axes;
 use super::face::{Face, FaceKind};
 use super::face_boxes::SpaceBoxes;
-use super::face_triangle::{FaceTriangle, set_up};
+use super::face_triangle::{FaceTriangle, TrianglePlanes, set_up};
 use super::ray_triangle::{ShearedRay, TriangleBlock, intersect_block};
 use super::{LANES, Lanes, Simd, SimdBase, SimdLevel, SimdMask, dispatch, f32x16, mask32x16};
 use crate::Ray;
@@ -90,7 +90,7 @@ fn place<S: Simd>(simd: S, case: &Case) -> [Option<(FaceTriangle, [f32; 2])>; LA
     let placed = case.face.project_triangles(simd, &corners);
     let mut written = [FaceTriangle::EMPTY; LANES];
     let [x0, x1, y0, y1] = placed.bounds;
-    set_up(simd, &placed).store(simd, [x0, x1], &mut written);
+    set_up(simd, &placed).store([x0, x1], &mut written);
     std::array::from_fn(|lane| {
         if placed.placed.test(lane) {
             Some((written[lane], [y0[lane], y1[lane]]))
@@ -180,14 +180,20 @@ fn wrongly_rejected<S: Simd>(simd: S, case: &Case) -> Vec<(usize, usize, &'stati
             };
             // A strip as narrow as can be.
             let (x, y) = (points.x[0], points.y[0]);
-            let [x0, x1] = triangle.clip([y, y]);
-            if !(*low <= y && y <= *high && x0 <= x && x <= x1) {
+            let [x0, x1] = triangle.ends().map(|end| f32x16::splat(simd, end));
+            let planes = TrianglePlanes::of_one(simd, triangle);
+            let [x0, x1] = planes.clip(simd, [x0, x1], [points.y, points.y]);
+            if !(*low <= y && y <= *high && x0[0] <= x && x <= x1[0]) {
                 wrong.push((ray_idx, lane, "by its strip"));
             }
             let alone = case.face.place_triangle(case.block.get(lane));
-            let within = alone.map(|reach| reach.clip_y([x, x], [y - 1.0, y + 1.0]));
-            if within.is_none_or(|[low, high]| y < low || y > high) {
-                wrong.push((ray_idx, lane, "by its column, placed alone"));
+            let is_within = alone.is_some_and(|reach| {
+                let [low, high] = reach.clip_y([x, x], [y - 1.0, y + 1.0]);
+                let [left, right] = reach.clip_x([y, y], [x - 1.0, x + 1.0]);
+                low <= y && y <= high && left <= x && x <= right
+            });
+            if !is_within {
+                wrong.push((ray_idx, lane, "by its column or strip, placed alone"));
             }
             if !triangle.may_hit(simd, place).test(0) {
                 wrong.push((ray_idx, lane, "by edges or depth"));
@@ -197,8 +203,46 @@ fn wrongly_rejected<S: Simd>(simd: S, case: &Case) -> Vec<(usize, usize, &'stati
     wrong
 }
 
+/// Which rays and triangles are said to hit for certain but are not accepted: with all of the ray
+/// before it, and with intervals that begin or end at the hit or right beside it.
+#[inline(always)]
+fn wrongly_certain<S: Simd>(simd: S, case: &Case) -> Vec<(usize, usize, [f32; 2])> {
+    let mut wrong = Vec::new();
+    let placed = place(simd, case);
+    let everywhere = mask32x16::splat(simd, true);
+    for (ray_idx, ray) in case.rays.iter().enumerate() {
+        let splat = |v: Vec3| v.to_array().map(|axis| f32x16::splat(simd, axis));
+        let points = case.face.project_rays(simd, splat(ray.origin), splat(ray.direction));
+        let found = intersect_block(simd, &ShearedRay::new(ray), &case.block, everywhere);
+        for lane in (0..LANES).filter(|_| points.on_face.test(0)) {
+            let Some((triangle, _)) = &placed[lane] else { continue };
+            let t = if found.accepted.test(lane) { found.t[lane] } else { 1.0 };
+            let (ends, begins) = ([t, t.next_down(), f32::INFINITY], [0.0, t, t.next_up()]);
+            for [t_min, t_max] in begins.iter().flat_map(|&t_min| ends.map(|end| [t_min, end])) {
+                let asked = ShearedRay { t_min, t_max, ..ShearedRay::new(ray) };
+                let hits = intersect_block(simd, &asked, &case.block, everywhere);
+                let interval = [t_min, t_max].map(|t| f32x16::splat(simd, t));
+                let [least, most] = case.face.surely(simd, &points, interval);
+                let must_hit = triangle.must_hit(simd, [points.x, points.y, least, most]);
+                if must_hit.test(0) && !hits.accepted.test(lane) {
+                    wrong.push((ray_idx, lane, [t_min, t_max]));
+                }
+            }
+        }
+    }
+    wrong
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn what_is_certain_is_accepted(case in case()) {
+        for level in SimdLevel::available() {
+            let wrong = dispatch!(level.level(), simd => wrongly_certain(simd, &case));
+            prop_assert!(wrong.is_empty(), "{level}: {wrong:?}");
+        }
+    }
 
     #[test]
     fn what_is_accepted_is_never_rejected(case in case()) {
@@ -225,6 +269,49 @@ proptest! {
             prop_assert!(wrong.is_empty(), "{level}: {wrong:?}");
         }
     }
+}
+
+/// Through the middle of a triangle, not beside it; on both kinds of faces.
+#[test]
+fn hits_far_from_edges_are_certain() {
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| corner + Vec3::new(-0.2, -0.2, 5.0));
+    let parallel = FaceKind::Parallel { reach: 1.0 };
+    for (kind, level) in [FaceKind::Central, parallel]
+        .into_iter()
+        .flat_map(|kind| SimdLevel::available().into_iter().map(move |level| (kind, level)))
+    {
+        let mut case = Case {
+            face: Face { kind, ..face(DVec3::Z, Vec3::ZERO) },
+            rays: Vec::new(),
+            block: TriangleBlock::EMPTY,
+        };
+        case.block.set(0, corners);
+        let is_certain = |x: f32, interval: [f32; 2]| {
+            dispatch!(level.level(), simd => {
+                let splat = |axes: [f32; 3]| axes.map(|axis| f32x16::splat(simd, axis));
+                let (place, along) = match kind {
+                    FaceKind::Central => ([0.0; 3], [x, 0.0, 5.0]),
+                    FaceKind::Parallel { .. } => ([x, 0.0, 0.0], [0.0, 0.0, 5.0]),
+                };
+                let points = case.face.project_rays(simd, splat(place), splat(along));
+                let interval = interval.map(|t| f32x16::splat(simd, t));
+                let [least, most] = case.face.surely(simd, &points, interval);
+                let (triangle, _) = place_first(simd, &case);
+                triangle.must_hit(simd, [points.x, points.y, least, most]).test(0)
+            })
+        };
+        assert!(is_certain(0.0, [0.0, f32::INFINITY]), "{kind:?}");
+        assert!(is_certain(0.0, [0.9, 1.1]), "{kind:?}");
+        assert!(!is_certain(0.0, [1.1, f32::INFINITY]), "{kind:?}");
+        assert!(!is_certain(0.0, [0.0, 0.9]), "{kind:?}");
+        assert!(!is_certain(0.9, [0.0, f32::INFINITY]), "{kind:?}");
+    }
+}
+
+/// The first triangle, which has a place on the face.
+#[inline(always)]
+fn place_first<S: Simd>(simd: S, case: &Case) -> (FaceTriangle, [f32; 2]) {
+    place(simd, case)[0].expect("a triangle in front")
 }
 
 #[test]

@@ -5,7 +5,7 @@
 //!   near(x, y) = a x + b y + c      at least the nearness of any hit, at most `spread` more
 //! ```
 //!
-//! Rejecting only. With `m` the margin of the face, `d` width plus height of the triangle's box and
+//! Mostly for rejecting. With `m` the margin of the face, `d` width plus height of the triangle's box and
 //! `u` the unit roundoff:
 //! - Point and corners are off by `m` against what is accepted, so an edge function by
 //!   `2 m d + 2 m^2 <= 3 m d`, and by `9 u |A, B| s <= m d` for rounding, as C is formed from a
@@ -17,6 +17,9 @@
 //!   corners has a slope up to `4 G k / d`, is off by `36 u G k^2` for the rounding of its slopes,
 //!   and by what the point is off: `5 m G k / d` and `36 u G k^2` are added beside the face's own
 //!   margin. Slivers (`k` above 256) have their largest nearness everywhere.
+//!
+//! Errors have either sign, so where all edge functions of a triangle with a sign exceed twice what
+//! was added, the accepting test sees the ray within the triangle ([`FaceTriangle::must_hit`]).
 //!
 //! **Invariants.** Evaluation is monotone in x and in y, rounding included, so the values at the
 //! sides of a strip bound those at points within.
@@ -41,13 +44,16 @@ pub struct TrianglePlanes<S: Simd> {
     pub near: [f32x16<S>; 3],
     /// By how much the nearness of a hit may be less than the plane says.
     pub spread: f32x16<S>,
+    /// What edge functions exceed where the triangle is hit for certain.
+    pub inside: f32x16<S>,
 }
 
 /// What rays are asked of a triangle before they meet it.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct FaceTriangle {
-    /// A, B, C of three edges, then a, b, c of the nearness; least and largest x; the spread.
+    /// A, B, C of three edges, then a, b, c of the nearness; least and largest x; the spread; what
+    /// edge functions exceed inside.
     planes: Lanes,
 }
 
@@ -55,6 +61,7 @@ pub struct FaceTriangle {
 const NEAR: usize = 9;
 const ENDS: usize = 12;
 const SPREAD: usize = 14;
+const INSIDE: usize = 15;
 
 /// By how much a clipped end is moved outward, for the rounding of a division.
 const CLIP_SLACK: f32 = 4.0 * f32::EPSILON;
@@ -73,6 +80,7 @@ impl FaceTriangle {
         all.planes[NEAR + 2] = reach.nearest;
         all.planes[ENDS..SPREAD].copy_from_slice(&reach.bounds[..2]);
         all.planes[SPREAD] = f32::INFINITY;
+        all.planes[INSIDE] = f32::INFINITY;
         all
     }
 
@@ -80,28 +88,6 @@ impl FaceTriangle {
     #[inline(always)]
     pub fn ends(&self) -> [f32; 2] {
         [self.planes[ENDS], self.planes[ENDS + 1]]
-    }
-
-    /// Least and largest x between two y: outside of them [`Self::may_hit`] keeps nothing that the
-    /// accepting test may accept. The first is larger where there is nothing between.
-    #[inline(always)]
-    pub fn clip(&self, [y0, y1]: [f32; 2]) -> [f32; 2] {
-        let [mut x0, mut x1] = self.ends();
-        for edge in self.planes[..NEAR].chunks_exact(3) {
-            let (a, b, c) = (edge[0], edge[1], edge[2]);
-            // An edge function is at most `a x + rest` there, rounding included.
-            let rest = b.mul_add(y0, c).max(b.mul_add(y1, c));
-            let bound = rest / -a;
-            let slack = CLIP_SLACK * bound.abs();
-            if a > 0.0 {
-                x0 = x0.max(bound - slack);
-            } else if a < 0.0 {
-                x1 = x1.min(bound + slack);
-            } else if rest < 0.0 {
-                return [f32::INFINITY, f32::NEG_INFINITY];
-            }
-        }
-        [x0, x1]
     }
 
     /// Which of sixteen rays may hit the triangle: points, the least and the largest nearness at
@@ -116,6 +102,21 @@ impl FaceTriangle {
         let zero = f32x16::splat(simd, 0.0);
         let before = (near - f32x16::splat(simd, p[SPREAD])).simd_gt(begin);
         !(a.min(b).min(c).simd_lt(zero) | near.simd_lt(limit) | before)
+    }
+
+    /// Which of sixteen rays hit the triangle for certain: points, the least and the largest
+    /// nearness at which each ray surely accepts a hit, as [`Face::surely`](super::face::Face::surely)
+    /// tells.
+    #[inline(always)]
+    pub fn must_hit<S: Simd>(&self, simd: S, [x, y, least, most]: [f32x16<S>; 4]) -> mask32x16<S> {
+        let p = &self.planes;
+        let a = plane(simd, [p[0], p[1], p[2]], x, y);
+        let b = plane(simd, [p[3], p[4], p[5]], x, y);
+        let c = plane(simd, [p[6], p[7], p[8]], x, y);
+        let near = plane(simd, [p[9], p[10], p[11]], x, y);
+        let is_inside = a.min(b).min(c).simd_gt(f32x16::splat(simd, p[INSIDE]));
+        let farthest = near - f32x16::splat(simd, p[SPREAD]);
+        is_inside & farthest.simd_gt(least) & near.simd_lt(most)
     }
 }
 
@@ -137,16 +138,27 @@ impl FaceReach {
         Self { bounds, edges: [[0.0; 3]; 3], nearest }
     }
 
-    /// Least and largest y, of those asked, between two x: outside of them
+    /// Least and largest x, of those asked, between two y: outside of them
     /// [`FaceTriangle::may_hit`] keeps nothing. The first is larger where there is nothing between.
-    pub fn clip_y(&self, [x0, x1]: [f32; 2], [y0, y1]: [f32; 2]) -> [f32; 2] {
-        let [mut low, mut high] = [y0.max(self.bounds[2]), y1.min(self.bounds[3])].map(f64::from);
-        let [x0, x1] = [x0, x1].map(f64::from);
-        for [a, b, c] in self.edges.map(|edge| edge.map(f64::from)) {
-            // An edge function is at most `b y + rest` there, the rounding of `may_hit` included.
+    pub fn clip_x(&self, y: [f32; 2], x: [f32; 2]) -> [f32; 2] {
+        self.clip(0, y, x)
+    }
+
+    /// Least and largest y, of those asked, between two x, likewise.
+    pub fn clip_y(&self, x: [f32; 2], y: [f32; 2]) -> [f32; 2] {
+        self.clip(1, x, y)
+    }
+
+    fn clip(&self, axis: usize, across: [f32; 2], along: [f32; 2]) -> [f32; 2] {
+        let bounds = &self.bounds[2 * axis..];
+        let [mut low, mut high] = [along[0].max(bounds[0]), along[1].min(bounds[1])].map(f64::from);
+        let [p0, p1] = across.map(f64::from);
+        for edge in self.edges.map(|edge| edge.map(f64::from)) {
+            let (a, b, c) = (edge[1 - axis], edge[axis], edge[2]);
+            // An edge function is at most `b v + rest` there, the rounding of `may_hit` included.
             let size =
-                [(a, x0, x1), (b, low, high)].map(|(k, p, q)| k.abs() * p.abs().max(q.abs()));
-            let rest = (a * x0).max(a * x1) + c + EDGE_SLACK * (size[0] + size[1] + c.abs());
+                [(a, p0, p1), (b, low, high)].map(|(k, p, q)| k.abs() * p.abs().max(q.abs()));
+            let rest = (a * p0).max(a * p1) + c + EDGE_SLACK * (size[0] + size[1] + c.abs());
             if b > 0.0 {
                 low = low.max(-rest / b);
             } else if b < 0.0 {
@@ -204,7 +216,8 @@ pub fn set_up<S: Simd>(simd: S, on_face: &FaceTriangles<S>) -> TrianglePlanes<S>
     let zero = splat(simd, 0.0);
     let near = [is_plane.select(a, zero), is_plane.select(b, zero), is_plane.select(c, nearest)];
     let spread = is_plane.select(raised + raised, nearest - farthest);
-    TrianglePlanes { edges, near, spread }
+    let inside = has_sign.select(widened + widened, splat(simd, f32::INFINITY));
+    TrianglePlanes { edges, near, spread, inside }
 }
 
 /// The edge function that grows to the inside, raised by `widened`.
@@ -222,9 +235,48 @@ fn edge<S: Simd>(
 }
 
 impl<S: Simd> TrianglePlanes<S> {
+    /// One triangle, sixteen times.
+    #[inline(always)]
+    pub fn of_one(simd: S, triangle: &FaceTriangle) -> Self {
+        let p = &triangle.planes;
+        let splat = |place: usize| f32x16::splat(simd, p[place]);
+        let three = |first: usize| [splat(first), splat(first + 1), splat(first + 2)];
+        Self {
+            edges: [three(0), three(3), three(6)],
+            near: three(NEAR),
+            spread: splat(SPREAD),
+            inside: splat(INSIDE),
+        }
+    }
+
+    /// Least and largest x between two y, of those given: outside of them
+    /// [`FaceTriangle::may_hit`] keeps nothing that the accepting test may accept. The first is
+    /// larger where there is nothing between.
+    #[inline(always)]
+    pub fn clip(
+        &self,
+        simd: S,
+        [mut x0, mut x1]: [f32x16<S>; 2],
+        [y0, y1]: [f32x16<S>; 2],
+    ) -> [f32x16<S>; 2] {
+        let zero = f32x16::splat(simd, 0.0);
+        let infinite = f32x16::splat(simd, f32::INFINITY);
+        for [a, b, c] in self.edges {
+            // An edge function is at most `a x + rest` there, rounding included.
+            let rest = y0.mul_add(b, c).max(y1.mul_add(b, c));
+            let bound = rest / -a;
+            let slack = f32x16::splat(simd, CLIP_SLACK) * bound.abs();
+            x0 = a.simd_gt(zero).select(x0.max(bound - slack), x0);
+            x1 = a.simd_lt(zero).select(x1.min(bound + slack), x1);
+            let is_beside = a.simd_eq(zero) & rest.simd_lt(zero);
+            x0 = is_beside.select(infinite, x0);
+        }
+        [x0, x1]
+    }
+
     /// Writes the triangles one after the other, given their least and largest x.
     #[inline(always)]
-    pub fn store(&self, simd: S, [x0, x1]: [f32x16<S>; 2], triangles: &mut [FaceTriangle; LANES]) {
+    pub fn store(&self, [x0, x1]: [f32x16<S>; 2], triangles: &mut [FaceTriangle; LANES]) {
         let ([a, b, c], [d, e, f]) = (self.edges, self.near);
         let rows = transpose([
             a[0],
@@ -242,7 +294,7 @@ impl<S: Simd> TrianglePlanes<S> {
             x0,
             x1,
             self.spread,
-            f32x16::splat(simd, 0.0),
+            self.inside,
         ]);
         for (triangle, row) in triangles.iter_mut().zip(rows) {
             row.store_slice(&mut triangle.planes);

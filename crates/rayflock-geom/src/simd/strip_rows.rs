@@ -119,15 +119,20 @@ pub fn write_strip_rows<S: Simd>(
     }
 }
 
-/// The corners of sixteen rows as columns.
+/// Corners, the first and the last strip of sixteen rows as columns.
 #[inline(always)]
-pub fn row_corners<S: Simd>(simd: S, rows: &[StripRow; LANES]) -> [[f32x16<S>; 3]; 3] {
+pub fn row_columns<S: Simd>(
+    simd: S,
+    rows: &[StripRow; LANES],
+) -> ([[f32x16<S>; 3]; 3], [u32x16<S>; 2]) {
     let mut vectors = [f32x16::splat(simd, 0.0); LANES];
     for (vector, row) in vectors.iter_mut().zip(rows) {
         *vector = f32x16::from_slice(simd, &row.row);
     }
     let c = transpose(vectors);
-    [[c[0], c[1], c[2]], [c[3], c[4], c[5]], [c[6], c[7], c[8]]]
+    let strips: u32x16<S> = c[STRIPS].bitcast();
+    let strips = [strips & u32x16::splat(simd, 0xffff), strips >> 16];
+    ([[c[0], c[1], c[2]], [c[3], c[4], c[5]], [c[6], c[7], c[8]]], strips)
 }
 
 #[cfg(test)]
@@ -150,7 +155,9 @@ mod tests {
                 assert_eq!([third.slot(), third.rank(), third.mask()], [103, 203, 303]);
                 assert_eq!(third.strips(), [3, 7]);
                 assert!(!third.is_by_slot() && StripRow::of_slot(5).is_by_slot());
-                for (corner, again) in corners.iter().zip(row_corners(simd, &rows)) {
+                let (again, strips) = row_columns(simd, &rows);
+                assert_eq!([strips[0][3], strips[1][3]], [3, 7]);
+                for (corner, again) in corners.iter().zip(again) {
                     for (axis, again) in corner.iter().zip(again) {
                         assert_eq!(**axis, *again);
                     }

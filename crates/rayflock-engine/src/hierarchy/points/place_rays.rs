@@ -21,7 +21,7 @@ const MOST_STRIP_BITS: u32 = 10;
 
 /// Columns for each strip of a face, as a power of two: a group is as wide as a strip is high
 /// where there are sixteen rays in so many cells.
-const COLUMNS_PER_STRIP: u32 = 2;
+const COLUMNS_PER_STRIP: u32 = 3;
 
 /// How far points on the sides of a cube are from those on faces at most, for rounding.
 const ON_CUBE: f32 = 1.0 / (1 << 18) as f32;
@@ -64,7 +64,7 @@ pub(super) fn lay_out<S: Simd>(simd: S, batch: &RayBatch<'_>, strips: &mut RaySt
         [face] => sample_bounds(simd, batch, &face.face),
         _ => [-1.0, 1.0, -1.0, 1.0],
     };
-    let ray_bits = usize::BITS - batch.len().leading_zeros();
+    let ray_bits = usize::BITS - batch.len().saturating_sub(1).leading_zeros();
     let strip_bits = (ray_bits.div_ceil(2) - u32::from(is_cube)).saturating_sub(2);
     let strip_bits = strip_bits.min(MOST_STRIP_BITS);
     let (strip_count, columns) = (1 << strip_bits, 1 << (strip_bits + COLUMNS_PER_STRIP));
@@ -97,7 +97,8 @@ fn sample_bounds<S: Simd>(simd: S, batch: &RayBatch<'_>, face: &Face) -> [f32; 4
 }
 
 /// Takes over what was seen of all rays.
-pub(super) fn note_bounds(seen: &SeenRays, strips: &mut RayStrips) {
+#[inline(always)]
+pub(super) fn note_bounds<S: Simd>(simd: S, seen: &SeenRays, strips: &mut RayStrips) {
     if let [face] = &mut strips.faces[..] {
         face.bounds = seen.bound.bounds;
         if let FaceKind::Parallel { reach } = &mut face.face.kind {
@@ -116,9 +117,10 @@ pub(super) fn note_bounds(seen: &SeenRays, strips: &mut RayStrips) {
         let first = (0..face.strip_count).find(has_rays);
         let last = (0..face.strip_count).rfind(has_rays);
         if let (Some(first), Some(last)) = (first, last) {
-            let ([low, _], [_, high]) = (face.strip_y(first), face.strip_y(last));
+            let heights = |strip: usize| face.heights(simd, u32x16::splat(simd, strip as u32));
+            let ([low, _], [_, high]) = (heights(first), heights(last));
             let [x0, x1, y0, y1] = ON_SIDE;
-            face.bounds = [x0, x1, low.max(y0), high.min(y1)];
+            face.bounds = [x0, x1, low[0].max(y0), high[0].min(y1)];
         } else {
             face.bounds = PointBox::EMPTY.bounds;
         }

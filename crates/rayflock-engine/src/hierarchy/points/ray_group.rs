@@ -10,7 +10,7 @@ use rayflock_geom::simd::{
 use super::super::arrange::NO_RAY;
 use super::ray_columns::RayColumns;
 use crate::answers::Answers;
-use crate::packet::{Nearest, Question, TracePacket};
+use crate::packet::{Nearest, TracePacket};
 
 /// What every triangle asks of sixteen rays.
 #[derive(Clone, Copy, Debug)]
@@ -30,12 +30,12 @@ pub(super) struct GroupPoints {
 pub(super) struct Group {
     pace: Lanes,
     start: Lanes,
+    /// Between which nearness rays accept hits for certain, where that is asked.
+    surely: [Lanes; 2],
     pub(super) rays: RayPacket,
     pub(super) masks: [u32; LANES],
     /// Rays that still want an answer.
     pub(super) active: u64,
-    /// Whether `rays` and `masks` are those of the group.
-    pub(super) is_loaded: bool,
     t: Lanes,
     u: Lanes,
     v: Lanes,
@@ -45,6 +45,13 @@ pub(super) struct Group {
 impl GroupPoints {
     pub(super) const EMPTY: Self =
         Self { x: [0.0; LANES], y: [0.0; LANES], limit: [0.0; LANES], begin: [0.0; LANES] };
+
+    /// All in registers.
+    #[inline(always)]
+    pub(super) fn columns<S: Simd>(&self, simd: S) -> [f32x16<S>; 4] {
+        let load = f32x16::from_slice;
+        [load(simd, &self.x), load(simd, &self.y), load(simd, &self.limit), load(simd, &self.begin)]
+    }
 
     /// Takes sixteen rays.
     #[inline(always)]
@@ -75,10 +82,10 @@ impl Group {
     pub(super) const EMPTY: Self = Self {
         pace: [0.0; LANES],
         start: [0.0; LANES],
+        surely: [[0.0; LANES]; 2],
         rays: RayPacket::EMPTY,
         masks: [0; LANES],
         active: 0,
-        is_loaded: false,
         t: [f32::INFINITY; LANES],
         u: [0.0; LANES],
         v: [0.0; LANES],
@@ -87,23 +94,63 @@ impl Group {
 
     /// Takes sixteen rays of which these are to be traced.
     #[inline(always)]
-    pub(super) fn begin<S: Simd>(&mut self, points: &RayPoints<S>, active: u64) {
+    pub(super) fn begin<S: Simd>(
+        &mut self,
+        simd: S,
+        points: &RayPoints<S>,
+        columns: &RayColumns,
+        active: u64,
+    ) {
         points.pace.store_slice(&mut self.pace);
         points.start.store_slice(&mut self.start);
-        self.active = active;
-        self.is_loaded = false;
-        self.t = [f32::INFINITY; LANES];
-        self.ranks = [u32::MAX; LANES];
-    }
-
-    /// Makes the rays ready for the accepting test.
-    #[inline(always)]
-    pub(super) fn load<S: Simd>(&mut self, simd: S, columns: &RayColumns) {
         let t_min = f32x16::from_slice(simd, &columns.t_min);
         let t_max = f32x16::from_slice(simd, &columns.t_max);
         self.rays.fill(simd, columns.origin(simd), columns.direction(simd), [t_min, t_max]);
         self.masks = columns.masks;
-        self.is_loaded = true;
+        self.active = active;
+        self.t = [f32::INFINITY; LANES];
+        self.ranks = [u32::MAX; LANES];
+    }
+
+    /// Notes which hits of the rays are certain.
+    #[inline(always)]
+    pub(super) fn note_surely<S: Simd>(
+        &mut self,
+        simd: S,
+        face: &Face,
+        points: &RayPoints<S>,
+        columns: &RayColumns,
+    ) {
+        let t_min = f32x16::from_slice(simd, &columns.t_min);
+        let t_max = f32x16::from_slice(simd, &columns.t_max);
+        let [least, most] = face.surely(simd, points, [t_min, t_max]);
+        least.store_slice(&mut self.surely[0]);
+        most.store_slice(&mut self.surely[1]);
+    }
+
+    /// Points, the least and the largest nearness at which the rays accept hits for certain.
+    #[inline(always)]
+    pub(super) fn surely<S: Simd>(&self, simd: S, points: &GroupPoints) -> [f32x16<S>; 4] {
+        let load = f32x16::from_slice;
+        let [least, most] = &self.surely;
+        [load(simd, &points.x), load(simd, &points.y), load(simd, least), load(simd, most)]
+    }
+
+    /// Notes that a primitive stands in the way of some rays.
+    #[inline(always)]
+    pub(super) fn occlude<S: Simd>(
+        &mut self,
+        simd: S,
+        points: &mut GroupPoints,
+        occluded: mask32x16<S>,
+        rank: u32,
+    ) {
+        let load = f32x16::from_slice;
+        self.active &= !occluded.to_bitmask();
+        let infinite = f32x16::splat(simd, f32::INFINITY);
+        occluded.select(infinite, load(simd, &points.limit)).store_slice(&mut points.limit);
+        let (rank, ranks) = (u32x16::splat(simd, rank), u32x16::from_slice(simd, &self.ranks));
+        occluded.select(rank, ranks).store_slice(&mut self.ranks);
     }
 
     /// Keeps what was accepted of a primitive, where it is nearer; the points take over what the
@@ -115,7 +162,6 @@ impl Group {
         (face, points): (&Face, &mut GroupPoints),
         hits: &LaneHits<S>,
         rank: u32,
-        question: Question,
     ) {
         let load = f32x16::from_slice;
         let (t, best_t) = (hits.t, load(simd, &self.t));
@@ -127,13 +173,7 @@ impl Group {
         nearer.select(hits.u, load(simd, &self.u)).store_slice(&mut self.u);
         nearer.select(hits.v, load(simd, &self.v)).store_slice(&mut self.v);
         nearer.select(rank, best_rank).store_slice(&mut self.ranks);
-        let limit = match question {
-            Question::Closest => self.limit(simd, face, points, t),
-            Question::Occluded => {
-                self.active &= !hits.accepted.to_bitmask();
-                f32x16::splat(simd, f32::INFINITY)
-            }
-        };
+        let limit = self.limit(simd, face, points, t);
         nearer.select(limit, load(simd, &points.limit)).store_slice(&mut points.limit);
     }
 

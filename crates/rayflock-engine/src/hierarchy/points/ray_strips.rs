@@ -11,11 +11,11 @@
 //! monotone operations, so a ray whose point lies in a box, widened by the tolerance, is in one of
 //! the cells between those of the corners. Points outside the window count for its border.
 
-use std::ops::Range;
-
 use rayflock_geom::simd::LANES;
 use rayflock_geom::simd::face::{Face, FaceKind, RayPoints};
-use rayflock_geom::simd::{Simd, SimdBase, SimdCvtTruncate, SimdMask, f32x16, mask32x16, u32x16};
+use rayflock_geom::simd::{
+    Select, Simd, SimdBase, SimdCvtFloat, SimdCvtTruncate, SimdMask, f32x16, mask32x16, u32x16,
+};
 
 use super::lattice::Lattice;
 use super::occupancy::Occupancy;
@@ -27,7 +27,8 @@ const OVERLAP: f32 = 0.05;
 #[derive(Debug, Default)]
 pub(super) struct RayStrips {
     pub(super) faces: Vec<FaceStrips>,
-    /// For each cell of all strips, how many rays come before it; then how many there are.
+    /// For each cell of all strips, how many rays come before it; then how many there are, and what
+    /// is left of a table of a size that suits the sorter.
     pub(super) cells: Vec<u32>,
     /// Positions in the batch, cell after cell; each band fills whole groups, with `NO_RAY` at its
     /// end.
@@ -78,10 +79,12 @@ pub(super) struct FaceStrips {
 }
 
 impl Band {
-    /// The strips of its face from `first` to `last` of which it has cells.
+    /// The strips of its face from the first to the last, for sixteen, of which it has cells.
     #[inline(always)]
-    pub(super) fn strips(&self, [first, last]: [usize; 2]) -> Range<usize> {
-        first.max(self.own_strips[0])..last.min(self.own_strips[1]) + 1
+    pub(super) fn strips<S: Simd>(&self, simd: S, [first, last]: [u32x16<S>; 2]) -> [u32x16<S>; 2] {
+        let [own_first, own_last] = self.own_strips;
+        let splat = |strip: usize| u32x16::splat(simd, strip as u32);
+        [first.max(splat(own_first)), last.min(splat(own_last))]
     }
 }
 
@@ -140,24 +143,24 @@ impl FaceStrips {
 
     /// The columns from the first to the last between two x.
     #[inline(always)]
-    pub(super) fn columns_between(&self, [x0, x1]: [f32; 2]) -> [usize; 2] {
-        [self.column(x0 - self.tolerance[0]), self.column(x1 + self.tolerance[0])]
+    pub(super) fn box_columns<S: Simd>(&self, simd: S, [x0, x1]: [f32x16<S>; 2]) -> [u32x16<S>; 2] {
+        let tolerance = f32x16::splat(simd, self.tolerance[0]);
+        [self.places(simd, x0 - tolerance, 0), self.places(simd, x1 + tolerance, 0)]
     }
 
-    /// The column of an x.
+    /// Least and largest y of the points in strips.
     #[inline(always)]
-    fn column(&self, x: f32) -> usize {
-        (((x - self.low[0]) * self.scale[0]).max(0.0) as usize).min(self.columns - 1)
-    }
-
-    /// Least and largest y of the points in a strip.
-    #[inline(always)]
-    pub(super) fn strip_y(&self, strip: usize) -> [f32; 2] {
-        let step = 1.0 / self.scale[1];
-        let y = |strip: f32| self.low[1] + strip * step;
-        let is_last = strip + 1 == self.strip_count;
-        let low = if strip == 0 { self.bounds[2] } else { y(strip as f32 - OVERLAP) };
-        let high = if is_last { self.bounds[3] } else { y(strip as f32 + 1.0 + OVERLAP) };
+    pub(super) fn heights<S: Simd>(&self, simd: S, strip: u32x16<S>) -> [f32x16<S>; 2] {
+        let splat = f32x16::splat;
+        let step = splat(simd, 1.0 / self.scale[1]);
+        let start = splat(simd, self.low[1]);
+        let at = f32x16::float_from(strip);
+        let low = (at - OVERLAP) * step + start;
+        let high = (at + (1.0 + OVERLAP)) * step + start;
+        let is_first = strip.simd_eq(u32x16::splat(simd, 0));
+        let is_last = strip.simd_eq(u32x16::splat(simd, self.strip_count as u32 - 1));
+        let low = is_first.select(splat(simd, self.bounds[2]), low);
+        let high = is_last.select(splat(simd, self.bounds[3]), high);
         [low - self.tolerance[1], high + self.tolerance[1]]
     }
 
@@ -277,26 +280,6 @@ impl RayStrips {
                 band_idx += usize::from(self.bands[band_idx].end_cell == end);
             }
         }
-    }
-
-    /// The groups of a band in some columns of a strip of its face, if there are any.
-    #[inline(always)]
-    pub(super) fn groups(
-        &self,
-        face: &FaceStrips,
-        band: &Band,
-        strip: usize,
-        columns: [usize; 2],
-    ) -> Range<usize> {
-        let strip = (face.first_strip + strip) * face.columns;
-        let left = (strip + columns[0]).max(band.first_cell);
-        let end = (strip + columns[1] + 1).min(band.end_cell);
-        if left >= end {
-            return 0..0;
-        }
-        let first = self.cells[left] as usize - band.first_ray;
-        let last = self.cells[end] as usize - band.first_ray;
-        if first == last { 0..0 } else { first / LANES..last.div_ceil(LANES) }
     }
 
     /// Bytes held.

@@ -17,9 +17,6 @@ use crate::sort_keyed::KeyedSorter;
 /// Rays that one task gives keys.
 const RAYS_PER_TASK: usize = 4096;
 
-/// Cells that one task looks up.
-const CELLS_PER_TASK: usize = 4096;
-
 /// Brings rays into strips by sorting.
 #[derive(Debug, Default)]
 pub(super) struct StripSorter {
@@ -55,7 +52,7 @@ impl StripSorter {
             .reduce(|| SeenRays::NONE, SeenRays::join);
         if !seen.is_lost {
             self.fill(band_len, strips);
-            note_bounds(&seen, strips);
+            dispatch!(level.level(), simd => note_bounds(simd, &seen, strips));
             if notes_rays {
                 note_rays(level, batch, strips);
             }
@@ -68,11 +65,10 @@ impl StripSorter {
         let cell_count: usize =
             strips.faces.iter().map(|face| face.strip_count * face.columns).sum();
         // The cell behind the last one is that of rays that are not traced.
-        self.sorter.sort(usize::BITS - cell_count.leading_zeros());
+        let key_bits = usize::BITS - cell_count.leading_zeros();
+        strips.cells.resize(1 << key_bits, 0);
+        self.sorter.sort_and_count(key_bits, Some(&mut strips.cells));
         let sorted = self.sorter.sorted();
-        strips.cells.resize(cell_count + 1, 0);
-        let tasks = strips.cells.par_chunks_mut(CELLS_PER_TASK).enumerate();
-        tasks.for_each(|(task_idx, cells)| look_up(sorted, task_idx * CELLS_PER_TASK, cells));
         self.placed = strips.cells[cell_count] as usize;
         strips.cut_bands(band_len);
         strips.ray_idx.resize(strips.bands.last().map_or(0, |band| band.end_place), NO_RAY);
@@ -93,18 +89,6 @@ impl StripSorter {
 /// The ray of an entry; its cell stands above.
 fn ray_of(entry: &AtomicU64) -> u32 {
     entry.load(Relaxed) as u32
-}
-
-/// Writes how many entries come before each of some cells.
-fn look_up(sorted: &[AtomicU64], first_cell: usize, cells: &mut [u32]) {
-    let cell_of = |entry: &AtomicU64| (entry.load(Relaxed) >> 32) as usize;
-    let mut before = sorted.partition_point(|entry| cell_of(entry) < first_cell);
-    for (idx, cell) in cells.iter_mut().enumerate() {
-        while sorted.get(before).is_some_and(|entry| cell_of(entry) < first_cell + idx) {
-            before += 1;
-        }
-        *cell = before as u32;
-    }
 }
 
 /// Writes the rays of consecutive bands, from the place of the first on, in parallel.
@@ -149,9 +133,11 @@ fn note_band<S: Simd>(simd: S, batch: &RayBatch<'_>, face: &FaceStrips, ray_idx:
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
+    use rayflock_geom::simd::face_triangle::{FaceReach, FaceTriangle};
     use rayflock_testkit::Rng;
 
     use super::super::faces::Faces;
+    use super::super::look_up_groups::{Pairs, Sought};
     use super::*;
 
     /// Rays all over a face, most of them crowded: those in a box are among the groups that the
@@ -184,16 +170,19 @@ mod tests {
             for _ in 0..200 {
                 let (x, y, size) = (rng.between(-3.0, 3.0), rng.between(-3.0, 3.0), rng.unit());
                 let (ends, heights) = ([x, x + size], [y, y + size * rng.unit()]);
+                let reach = FaceReach::anywhere([x, x + size, heights[0], heights[1]], 0.0);
+                let triangle = FaceTriangle::of(&reach);
                 let mut found = vec![0; origins.len()];
                 for band in &strips.bands {
-                    let ray_idx = &strips.ray_idx[band.first_place..band.end_place];
-                    let mut groups: Vec<usize> = (face.strips(heights)[0]
-                        ..=face.strips(heights)[1])
-                        .flat_map(|strip| {
-                            strips.groups(face, band, strip, face.columns_between(ends))
-                        })
-                        .collect();
+                    let mut pairs = Pairs::default();
+                    dispatch!(level.level(), simd => {
+                        let sought = Sought::one(simd, &triangle, face.strips(heights));
+                        pairs.look_up(simd, &strips, (face, band), &sought);
+                    });
+                    let mut groups: Vec<usize> =
+                        (0..pairs.len()).map(|idx| pairs.get(idx).1).collect();
                     groups.dedup();
+                    let ray_idx = &strips.ray_idx[band.first_place..band.end_place];
                     let rays = groups.iter().flat_map(|group| &ray_idx[group * LANES..][..LANES]);
                     rays.filter(|&&ray| ray != NO_RAY).for_each(|&ray| found[ray as usize] += 1);
                 }

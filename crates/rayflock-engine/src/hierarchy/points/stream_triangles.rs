@@ -7,7 +7,6 @@
 use std::ops::Range;
 
 use rayflock_geom::simd::face_boxes::{FaceBoxes, SpaceBoxes};
-use rayflock_geom::simd::face_triangle::FaceTriangle;
 use rayflock_geom::simd::ray_triangle::TriangleBlock;
 use rayflock_geom::simd::strip_rows::{StripRow, write_strip_rows};
 use rayflock_geom::simd::triangle_lanes::TriangleLanes;
@@ -223,8 +222,7 @@ impl Chunk {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
             let Some(placed) = face.face.place_triangle(triangles.get(lane)) else { continue };
-            let [left, right] = FaceTriangle::of(&placed).clip([y0, y1]);
-            let ends = [left.max(x0), right.min(x1)];
+            let ends = placed.clip_x([y0, y1], [x0, x1]);
             let [low, high] = placed.clip_y(ends, [y0, y1]);
             if ends[0] <= ends[1] && low <= high {
                 let touched = face.strips([low, high]);

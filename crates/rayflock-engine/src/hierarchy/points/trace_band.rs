@@ -1,15 +1,18 @@
 //! Traces the rays of a band against the primitives that may touch it.
 //!
-//! Sixteen triangles at a time are projected and set up. A triangle looks its groups up, strip by
-//! strip, and asks the points of each: edge functions and depth of sixteen rays at once, all
-//! widened for rounding. Rays that are left meet the accepting test.
+//! Sixteen triangles at a time are projected and set up, and look up the groups of rays that they may
+//! hit. Of each pair of a triangle and a group the points are asked: edge functions and depth of
+//! sixteen rays at once, all widened for rounding. Pairs that are left meet the accepting test. Where
+//! it is only asked whether there is a hit, one that lies beyond all rounding within the triangle
+//! needs no test.
 
-use rayflock_geom::RayBatch;
 use rayflock_geom::simd::face_triangle::{FaceTriangle, set_up};
 use rayflock_geom::simd::ray_triangle::intersect_packet;
-use rayflock_geom::simd::strip_rows::{StripRow, row_corners};
-use rayflock_geom::simd::{LANES, Simd, SimdBase, SimdMask, f32x16, u32x16};
+use rayflock_geom::simd::strip_rows::{StripRow, row_columns};
+use rayflock_geom::simd::{LANES, Simd, SimdBase, SimdMask, mask32x16, u32x16};
+use rayflock_geom::{RayBatch, prefetch};
 
+use super::look_up_groups::{Pairs, Sought};
 use super::ray_columns::RayColumns;
 use super::ray_group::{Group, GroupPoints};
 use super::ray_strips::{Band, FaceStrips, RayStrips};
@@ -22,9 +25,6 @@ use crate::primitives::PrimitiveTable;
 /// How many groups before their turn memory is asked for their rays. Twenty cells of the map, of 16K
 /// to 256K triangles, took 8 % less in the mean (two AVX-512 server cores).
 const GROUPS_AHEAD: usize = 4;
-
-/// Strips from which on it pays to ask what of each a triangle covers.
-const TALL: usize = 3;
 
 /// What a band is traced against, and why.
 pub(super) struct BandWork<'a> {
@@ -42,6 +42,7 @@ pub(super) struct BandTracer {
     points: Vec<GroupPoints>,
     groups: Vec<Group>,
     columns: RayColumns,
+    pairs: Pairs,
     /// Spheres and user primitives that may touch a group.
     others: Vec<Vec<u32>>,
     packet: TracePacket,
@@ -70,6 +71,7 @@ impl Default for BandTracer {
             points: Vec::new(),
             groups: Vec::new(),
             columns: RayColumns::EMPTY,
+            pairs: Pairs::default(),
             others: Vec::new(),
             packet: TracePacket::EMPTY,
         }
@@ -96,7 +98,10 @@ impl BandTracer {
             return (stats, loaded);
         }
         for chunk in work.chunks {
-            for rows in chunk.lists[band_idx].chunks(LANES) {
+            let mut lists = chunk.lists[band_idx].chunks(LANES).peekable();
+            while let Some(rows) = lists.next() {
+                // Written by other tasks, they lie far from here.
+                lists.peek().into_iter().copied().flatten().for_each(prefetch);
                 self.meet_rows(simd, here, rows, &mut stats);
             }
         }
@@ -129,9 +134,9 @@ impl BandTracer {
             let states = columns.states(simd);
             let points = self.points[idx].load(simd, &face.face, columns, states.active);
             let group = &mut self.groups[idx];
-            group.begin(&points, states.active.to_bitmask());
-            if work.question == Question::Closest {
-                group.load(simd, columns);
+            group.begin(simd, &points, columns, states.active.to_bitmask());
+            if work.question == Question::Occluded {
+                group.note_surely(simd, &face.face, &points, columns);
             }
             if face.lattice.is_some() {
                 loaded.invalid_count += states.invalid_count;
@@ -152,29 +157,54 @@ impl BandTracer {
         stats: &mut TraceStats,
     ) {
         let Here { face, .. } = here;
-        let mut rows = [StripRow::EMPTY; LANES];
-        rows[..some.len()].copy_from_slice(some);
+        let mut padded = [StripRow::EMPTY; LANES];
+        let rows = some.try_into().unwrap_or_else(|_| {
+            padded[..some.len()].copy_from_slice(some);
+            &padded
+        });
         let mut by_slot = 0;
         for (lane, row) in rows.iter().enumerate() {
             by_slot |= u64::from(row.is_by_slot()) << lane;
         }
         let waiting = (1 << some.len()) - 1;
         if by_slot != 0 {
-            self.meet_by_slot(simd, here, (&rows, by_slot), stats);
+            self.meet_by_slot(simd, here, (rows, by_slot), stats);
         }
-        let mut lanes = waiting & !by_slot;
+        let lanes = waiting & !by_slot;
         if lanes == 0 {
             return;
         }
         // As they were projected before.
-        let placed = face.face.project_triangles(simd, &row_corners(simd, &rows));
-        let mut planes = [FaceTriangle::EMPTY; LANES];
+        let (corners, strips) = row_columns(simd, rows);
+        let placed = face.face.project_triangles(simd, &corners);
         let ends = [placed.bounds[0], placed.bounds[1]];
-        set_up(simd, &placed).store(simd, ends, &mut planes);
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize;
-            lanes &= lanes - 1;
-            self.meet(simd, here, &planes[lane], &rows[lane], rows[lane].strips(), stats);
+        let planes = set_up(simd, &placed);
+        let mut triangles = [FaceTriangle::EMPTY; LANES];
+        planes.store(ends, &mut triangles);
+        let present = mask32x16::from_bitmask(simd, lanes);
+        let sought = Sought { planes, ends, strips, present };
+        self.meet_groups(simd, here, &sought, (&triangles, rows), stats);
+    }
+
+    /// Tests triangles against the groups that they may touch.
+    #[inline(always)]
+    fn meet_groups<S: Simd>(
+        &mut self,
+        simd: S,
+        here: Here<'_>,
+        sought: &Sought<S>,
+        (triangles, rows): (&[FaceTriangle], &[StripRow]),
+        stats: &mut TraceStats,
+    ) {
+        self.pairs.look_up(simd, here.work.strips, (here.face, here.band), sought);
+        stats.box_tests += self.pairs.len() as u64;
+        let points = &self.points[..];
+        self.pairs.retain(|lane, group_idx| {
+            triangles[lane].may_hit(simd, points[group_idx].columns(simd)).any_true()
+        });
+        for idx in 0..self.pairs.len() {
+            let (lane, group_idx) = self.pairs.get(idx);
+            self.test(simd, here, (&triangles[lane], &rows[lane]), group_idx, stats);
         }
     }
 
@@ -213,47 +243,17 @@ impl BandTracer {
             };
             let Some(placed) = placed else { continue };
             let [_, _, y0, y1] = placed.bounds;
-            let strips = face.strips([y0, y1]);
+            let planes = FaceTriangle::of(&placed);
+            let sought = Sought::one(simd, &planes, face.strips([y0, y1]));
             if let Some((corners, mask)) = triangle {
                 let row = StripRow::of_triangle(corners, [slot, table.rank(slot), mask]);
-                self.meet(simd, here, &FaceTriangle::of(&placed), &row, strips, stats);
+                self.meet_groups(simd, here, &sought, (&[planes], &[row]), stats);
                 continue;
             }
-            let columns = face.columns_between(FaceTriangle::of(&placed).ends());
-            for strip in here.band.strips(strips) {
-                for group_idx in here.work.strips.groups(face, here.band, strip, columns) {
-                    self.note_other(group_idx, slot);
-                }
-            }
-        }
-    }
-
-    /// Tests a triangle against the rays that it may touch.
-    #[inline(always)]
-    fn meet<S: Simd>(
-        &mut self,
-        simd: S,
-        here: Here<'_>,
-        planes: &FaceTriangle,
-        row: &StripRow,
-        strips: [usize; 2],
-        stats: &mut TraceStats,
-    ) {
-        let Here { face, band, .. } = here;
-        let is_tall = strips[1] - strips[0] + 1 >= TALL;
-        let mut columns = face.columns_between(planes.ends());
-        for strip in band.strips(strips) {
-            if is_tall {
-                let ends = planes.clip(face.strip_y(strip));
-                if ends[0] > ends[1] {
-                    continue;
-                }
-                columns = face.columns_between(ends);
-            }
-            let groups = here.work.strips.groups(face, band, strip, columns);
-            stats.box_tests += groups.len() as u64;
-            for group_idx in groups {
-                self.test(simd, here, planes, row, group_idx, stats);
+            self.pairs.look_up(simd, here.work.strips, (face, here.band), &sought);
+            for idx in 0..self.pairs.len() {
+                let (_, group_idx) = self.pairs.get(idx);
+                self.note_other(group_idx, slot);
             }
         }
     }
@@ -264,40 +264,33 @@ impl BandTracer {
         &mut self,
         simd: S,
         here: Here<'_>,
-        planes: &FaceTriangle,
-        row: &StripRow,
+        (planes, row): (&FaceTriangle, &StripRow),
         group_idx: usize,
         stats: &mut TraceStats,
     ) {
-        let load = f32x16::from_slice;
-        let points = &self.points[group_idx];
-        let columns = [
-            load(simd, &points.x),
-            load(simd, &points.y),
-            load(simd, &points.limit),
-            load(simd, &points.begin),
-        ];
-        let may_hit = planes.may_hit(simd, columns);
-        if !may_hit.any_true() {
+        let (points, group) = (&mut self.points[group_idx], &mut self.groups[group_idx]);
+        let seen = u32x16::from_slice(simd, &group.masks) & u32x16::splat(simd, row.mask());
+        let mut asked =
+            planes.may_hit(simd, points.columns(simd)) & !seen.simd_eq(u32x16::splat(simd, 0));
+        if here.work.question == Question::Occluded {
+            let certain = asked & planes.must_hit(simd, group.surely(simd, points));
+            group.occlude(simd, points, certain, row.rank());
+            asked &= !certain;
+        }
+        if !asked.any_true() {
             return;
         }
-        let group = &mut self.groups[group_idx];
-        if !group.is_loaded {
-            let ray_idx = &here.ray_idx[group_idx * LANES..(group_idx + 1) * LANES];
-            self.columns.gather(simd, here.work.rays, ray_idx);
-            self.columns.bound(simd, ray_idx, here.work.t_bounds);
-            self.columns.repeat_active(group.active);
-            group.load(simd, &self.columns);
-        }
-        let seen = u32x16::from_slice(simd, &group.masks) & u32x16::splat(simd, row.mask());
-        let active = may_hit & !seen.simd_eq(u32x16::splat(simd, 0));
         stats.triangle_tests += LANES as u64;
-        let hits = intersect_packet(simd, &group.rays, &row.corners(), active);
+        let hits = intersect_packet(simd, &group.rays, &row.corners(), asked);
         if !hits.accepted.any_true() {
             return;
         }
-        let place = (&here.face.face, &mut self.points[group_idx]);
-        group.keep(simd, place, &hits, row.rank(), here.work.question);
+        match here.work.question {
+            Question::Closest => {
+                group.keep(simd, (&here.face.face, points), &hits, row.rank());
+            }
+            Question::Occluded => group.occlude(simd, points, hits.accepted, row.rank()),
+        }
     }
 
     fn note_other(&mut self, group_idx: usize, slot: u32) {
@@ -340,6 +333,7 @@ impl BandTracer {
         size_of::<Self>()
             + self.groups.capacity() * size_of::<Group>()
             + self.points.capacity() * size_of::<GroupPoints>()
+            + self.pairs.memory_usage()
             + others
     }
 }
