@@ -4,12 +4,14 @@
 //!   level n   2^n x 2^n cells, some 256 a ray; a bit says that a ray is in the cell or in one of
 //!             the fifteen to the right of it and above it that make a square of four by four
 //!   level k   the same for squares of cells, down to 64 x 64
-//!   exact     level n once more, where a bit says that a ray is in the cell
+//!   exact     level n once more, where a bit says that a ray is in the cell: a word for each square
+//!             of eight by eight
 //! ```
 //!
 //! A box that is not larger than three cells of its level lies in at most four by four of them, so
 //! one bit answers for it. The level follows from the box's size, the bit from its lower left
-//! corner. Boxes that are left are asked cell by cell.
+//! corner. Boxes that are left and lie in at most two by two words of the exact bits are asked cell
+//! by cell.
 //!
 //! **Source.** After N. Greene, M. Kass, G. Miller, "Hierarchical Z-Buffer Visibility", SIGGRAPH
 //! 1993. **Departures.** Bits instead of depths, dilated so that one is enough.
@@ -20,6 +22,7 @@
 //!
 //! **Cost.** Three bits a cell; two passes over the bits.
 
+use std::array::from_fn;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use rayflock_geom::simd::{
@@ -32,9 +35,9 @@ const COARSEST: u32 = 6;
 /// The finest level, 1 MiB with all above it.
 const FINEST: u32 = 11;
 
-/// Boxes larger than this are not asked cell by cell.
-const MOST_COLUMNS: u32 = 32;
-const MOST_ROWS: u32 = 16;
+/// Cells along a side of the square that has a word of its own, and its logarithm.
+const SQUARE: usize = 1 << SQUARE_BITS;
+const SQUARE_BITS: u32 = 3;
 
 /// A third, rounded up.
 const THIRD: f32 = 0.333_333_4;
@@ -44,7 +47,8 @@ const THIRD: f32 = 0.333_333_4;
 pub(super) struct Occupancy {
     /// Level k from bit 4^k on. Atomic because several tasks note rays.
     words: Vec<AtomicU64>,
-    /// The finest level before bits were brought to neighbours.
+    /// The finest level before bits were brought to neighbours, row after row of squares, and in each
+    /// of these row after row of cells.
     exact: Vec<u64>,
     finest: u32,
     low: [f32; 2],
@@ -90,13 +94,23 @@ impl Occupancy {
         for level in (COARSEST..self.finest).rev() {
             self.halve(level);
         }
-        let finest = (1 << (2 * self.finest)) / 64;
-        self.exact.clear();
-        self.exact.extend(self.words[finest..].iter_mut().map(|word| *word.get_mut()));
-        // One more, so that the last word has a next one.
-        self.exact.push(0);
+        self.note_squares();
         for level in COARSEST..=self.finest {
             self.dilate(level);
+        }
+    }
+
+    /// Copies the finest level, square by square.
+    fn note_squares(&mut self) {
+        let side_words = (1 << self.finest) / 64;
+        let words = &mut self.words[(1 << (2 * self.finest)) / 64..];
+        self.exact.resize(words.len(), 0);
+        let bands = words.chunks_exact_mut(SQUARE * side_words);
+        for (band, exact) in bands.zip(self.exact.chunks_exact_mut(SQUARE * side_words)) {
+            for (idx, squares) in exact.chunks_exact_mut(SQUARE).enumerate() {
+                let row = |row: usize| *band[row * side_words + idx].get_mut();
+                squares.copy_from_slice(&squares_of(from_fn(row)));
+            }
         }
     }
 
@@ -178,7 +192,7 @@ impl Occupancy {
         mask32x16::from_bitmask(simd, kept)
     }
 
-    /// The same by the finest level alone, all cells of a box one by one, unless it is large.
+    /// The same by the cells of the finest level, unless a box is large.
     #[inline(always)]
     pub(super) fn keep_closely<S: Simd>(
         &self,
@@ -187,32 +201,38 @@ impl Occupancy {
         asked: mask32x16<S>,
     ) -> mask32x16<S> {
         let [left, right, low, high] = self.box_cells(simd, bounds);
+        let [left_square, right_square, low_square, high_square] =
+            [left >> SQUARE_BITS, right >> SQUARE_BITS, low >> SQUARE_BITS, high >> SQUARE_BITS];
+        let two = u32x16::splat(simd, 2);
+        let is_small =
+            (right_square - left_square).simd_lt(two) & (high_square - low_square).simd_lt(two);
+        let mut kept = (asked & !is_small).to_bitmask();
+        let mut lanes = (asked & is_small).to_bitmask();
         let (left, right, low, high) = (*left, *right, *low, *high);
-        let (mut kept, mut lanes) = (0, asked.to_bitmask());
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
-            let (columns, rows) = ([left[lane], right[lane]], [low[lane], high[lane]]);
-            kept |= u64::from(self.has_any(columns, rows)) << lane;
+            let has_any = self.has_any([left[lane], right[lane]], [low[lane], high[lane]]);
+            kept |= u64::from(has_any) << lane;
         }
         mask32x16::from_bitmask(simd, kept)
     }
 
-    /// Whether a ray is in the cells of a box, given the first and the last column and row.
+    /// Whether a ray is in the cells of a box in at most two by two squares, given the first and the
+    /// last column and row.
     #[inline(always)]
-    fn has_any(&self, [left, right]: [u32; 2], [low, high]: [u32; 2]) -> bool {
-        if right - left >= MOST_COLUMNS || high - low >= MOST_ROWS {
-            return true;
-        }
-        let wanted = (1 << (right - left + 1)) - 1;
-        let mut found = 0;
-        for row in low..high + 1 {
-            let bit = (row << self.finest) | left;
-            let (word_idx, shift) = (bit as usize / 64, bit % 64);
-            let next = self.exact[word_idx + 1] << (63 - shift) << 1;
-            found |= (self.exact[word_idx] >> shift) | next;
-        }
-        found & wanted != 0
+    fn has_any(&self, columns: [u32; 2], rows: [u32; 2]) -> bool {
+        let [left, right] = columns.map(|column| column >> SQUARE_BITS);
+        let [low, high] = rows.map(|row| row >> SQUARE_BITS << (self.finest - SQUARE_BITS));
+        // Columns are bits of every byte of a word, rows whole bytes.
+        let columns = within_squares(columns, 1).map(|bits| bits * (u64::MAX / 0xff));
+        let rows = within_squares(rows, SQUARE as u32);
+        let word = |square: u32| self.exact[square as usize];
+        let found = word(low + left) & rows[0] & columns[0]
+            | word(low + right) & rows[0] & columns[1]
+            | word(high + left) & rows[1] & columns[0]
+            | word(high + right) & rows[1] & columns[1];
+        found != 0
     }
 
     /// The first and the last column of boxes, the first and the last row.
@@ -240,6 +260,31 @@ impl Occupancy {
     }
 }
 
+/// Eight rows of 64 cells as eight squares: what were rows of bytes become columns.
+fn squares_of(mut rows: [u64; SQUARE]) -> [u64; SQUARE] {
+    let steps =
+        [(4, 0x0000_0000_ffff_ffff_u64), (2, 0x0000_ffff_0000_ffff), (1, 0x00ff_00ff_00ff_00ff)];
+    for (step, low) in steps {
+        for idx in (0..SQUARE).filter(|idx| idx & step == 0) {
+            let (first, second) = (rows[idx], rows[idx + step]);
+            rows[idx] = (first & low) | (second & low) << (8 * step);
+            rows[idx + step] = (first >> (8 * step)) & low | second & !low;
+        }
+    }
+    rows
+}
+
+/// The cells from the first to the last, in the square of the first and in that of the last, as so
+/// many bits each.
+#[inline(always)]
+fn within_squares([first, last]: [u32; 2], bits: u32) -> [u64; 2] {
+    let side = SQUARE as u32 - 1;
+    let all = u64::MAX >> (u64::BITS - bits * SQUARE as u32);
+    let from = (all << (bits * (first & side))) & all;
+    let to = all >> (bits * (side - (last & side)));
+    if first >> SQUARE_BITS == last >> SQUARE_BITS { [from & to; 2] } else { [from, to] }
+}
+
 /// Whether either of bits 2i and 2i + 1 is set, in bit i.
 fn pairs(word: u64) -> u64 {
     let bits = (word | (word >> 1)) & 0x5555_5555_5555_5555;
@@ -251,49 +296,5 @@ fn pairs(word: u64) -> u64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use rayflock_geom::simd::{LANES, SimdLevel, dispatch};
-    use rayflock_testkit::Rng;
-
-    use super::*;
-
-    /// Boxes of all sizes: one with a point in it is always kept, most others are not.
-    #[test]
-    fn a_box_with_a_point_in_it_is_kept() {
-        let mut rng = Rng::new(41);
-        for simd in SimdLevel::available() {
-            let mut occupancy = Occupancy::default();
-            occupancy.clear([-1.0, 3.0, 0.5, 2.0], 64);
-            let points: Vec<[f32; 2]> =
-                (0..64).map(|_| [rng.between(-1.5, 3.5), rng.between(0.0, 2.5)]).collect();
-            let (mut empty_count, mut rejected_count) = (0, 0);
-            dispatch!(simd.level(), simd => {
-                for sixteen in points.chunks_exact(LANES) {
-                    let column = |axis: usize| f32x16::from_fn(simd, |lane| sixteen[lane][axis]);
-                    let all = mask32x16::splat(simd, true);
-                    occupancy.note(simd, column(0), column(1), all);
-                }
-                occupancy.finish();
-                for _ in 0..4000 {
-                    let size = 4.0 * 0.5_f32.powi(rng.below(14) as i32);
-                    let (x, y) = (rng.between(-1.5, 3.5), rng.between(0.0, 2.5));
-                    let bounds = [x, x + size * rng.unit(), y, y + size * rng.unit()];
-                    let lanes = bounds.map(|bound| f32x16::splat(simd, bound));
-                    let all = mask32x16::splat(simd, true);
-                    let kept = occupancy.keep(simd, &lanes, all);
-                    let closely = occupancy.keep_closely(simd, &lanes, all);
-                    let is_inside = |[x, y]: &[f32; 2]| {
-                        bounds[0] <= *x && *x <= bounds[1] && bounds[2] <= *y && *y <= bounds[3]
-                    };
-                    if points.iter().any(is_inside) {
-                        assert!(kept.all_true() && closely.all_true(), "{bounds:?}");
-                    } else {
-                        empty_count += 1;
-                        rejected_count += usize::from(!kept.any_true());
-                    }
-                }
-            });
-            assert!(rejected_count * 2 > empty_count, "{rejected_count} of {empty_count}");
-        }
-    }
-}
+#[path = "occupancy_tests.rs"]
+mod tests;
