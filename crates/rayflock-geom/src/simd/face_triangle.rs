@@ -5,8 +5,8 @@
 //!   near(x, y) = a x + b y + c      at least the nearness of any hit, at most `spread` more
 //! ```
 //!
-//! Mostly for rejecting. With `m` the margin of the face, `d` width plus height of the triangle's box and
-//! `u` the unit roundoff:
+//! Mostly for rejecting. With `m` the margin of the face, `d` width plus height of the triangle's
+//! box and `u` the unit roundoff:
 //! - Point and corners are off by `m` against what is accepted, so an edge function by
 //!   `2 m d + 2 m^2 <= 3 m d`, and by `9 u |A, B| s <= m d` for rounding, as C is formed from a
 //!   corner and not from a product of two. So 4 m d are added.
@@ -94,14 +94,9 @@ impl FaceTriangle {
     /// which each ray accepts a hit.
     #[inline(always)]
     pub fn may_hit<S: Simd>(&self, simd: S, [x, y, limit, begin]: [f32x16<S>; 4]) -> mask32x16<S> {
-        let p = &self.planes;
-        let a = plane(simd, [p[0], p[1], p[2]], x, y);
-        let b = plane(simd, [p[3], p[4], p[5]], x, y);
-        let c = plane(simd, [p[6], p[7], p[8]], x, y);
-        let near = plane(simd, [p[9], p[10], p[11]], x, y);
+        let [edge, near, farthest] = self.at(simd, x, y);
         let zero = f32x16::splat(simd, 0.0);
-        let before = (near - f32x16::splat(simd, p[SPREAD])).simd_gt(begin);
-        !(a.min(b).min(c).simd_lt(zero) | near.simd_lt(limit) | before)
+        !(edge.simd_lt(zero) | near.simd_lt(limit) | farthest.simd_gt(begin))
     }
 
     /// Which of sixteen rays hit the triangle for certain: points, the least and the largest
@@ -109,14 +104,20 @@ impl FaceTriangle {
     /// tells.
     #[inline(always)]
     pub fn must_hit<S: Simd>(&self, simd: S, [x, y, least, most]: [f32x16<S>; 4]) -> mask32x16<S> {
+        let [edge, near, farthest] = self.at(simd, x, y);
+        let inside = f32x16::splat(simd, self.planes[INSIDE]);
+        edge.simd_gt(inside) & farthest.simd_gt(least) & near.simd_lt(most)
+    }
+
+    /// At sixteen points: the least edge function, the largest and the least nearness of a hit.
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, x: f32x16<S>, y: f32x16<S>) -> [f32x16<S>; 3] {
         let p = &self.planes;
         let a = plane(simd, [p[0], p[1], p[2]], x, y);
         let b = plane(simd, [p[3], p[4], p[5]], x, y);
         let c = plane(simd, [p[6], p[7], p[8]], x, y);
         let near = plane(simd, [p[9], p[10], p[11]], x, y);
-        let is_inside = a.min(b).min(c).simd_gt(f32x16::splat(simd, p[INSIDE]));
-        let farthest = near - f32x16::splat(simd, p[SPREAD]);
-        is_inside & farthest.simd_gt(least) & near.simd_lt(most)
+        [a.min(b).min(c), near, near - f32x16::splat(simd, p[SPREAD])]
     }
 }
 

@@ -4,6 +4,9 @@
 //! to which that is, and so from which group to which. What is found is a list of pairs, so that
 //! neither it nor those who shorten it have loops within loops, whose ends no processor foresees.
 //!
+//! **Source.** Spans of scan conversion, as in Pineda's paper (see `points`). **Departures.** A span
+//! is that of a strip of some height, and becomes a range of rays that lie anywhere.
+//!
 //! **Invariants.** Those of `ray_strips`; what of a strip a triangle covers holds all that its edge
 //! functions keep there.
 //!
