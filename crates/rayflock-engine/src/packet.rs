@@ -48,10 +48,11 @@ impl Nearest {
     #[inline(always)]
     pub(crate) fn offer_lanes<S: Simd>(&mut self, hits: &LaneHits<S>, ranks: &[u32; LANES]) {
         let mut accepted = hits.accepted.to_bitmask();
+        let [u, v] = hits.barycentric();
         while accepted != 0 {
             let lane = accepted.trailing_zeros() as usize;
             accepted &= accepted - 1;
-            let (t, u, v) = (hits.t[lane], hits.u[lane], hits.v[lane]);
+            let (t, u, v) = (hits.t[lane], u[lane], v[lane]);
             self.offer(Self { t, u, v, rank: ranks[lane] });
         }
     }
@@ -209,7 +210,8 @@ impl TracePacket {
             SlotKind::Triangle(corners) => {
                 stats.triangle_tests += LANES as u64;
                 let hits = intersect_packet(simd, &self.triangle_rays, &corners, active);
-                self.keep_nearer(simd, hits.accepted, [hits.t, hits.u, hits.v], rank)
+                let [u, v] = hits.barycentric();
+                self.keep_nearer(simd, hits.accepted, [hits.t, u, v], rank)
             }
             SlotKind::Sphere(sphere) => {
                 stats.sphere_tests += LANES as u64;

@@ -4,7 +4,8 @@ use bytemuck::Pod;
 use glam::Vec3;
 
 use crate::prefetch;
-use crate::simd::{LANES, Simd, point_columns};
+use crate::simd::axes::{Axes, load_axes, splat_axes};
+use crate::simd::{LANES, Simd, SimdBase, f32x16, point_columns, u32x16};
 
 /// A value that a [`Column`] can hold, stored as consecutive scalars.
 pub trait ColumnElement: Copy {
@@ -225,17 +226,45 @@ fn load_lanes<T: ColumnElement>(values: &[T::Scalar], stride: usize) -> T::Lanes
 }
 
 impl Column<'_, Vec3> {
-    /// The points of sixteen rays from `first_ray` on, by axis; the last one again where there are
-    /// no more.
+    /// The points of sixteen rays from `first_ray` on, by axis, as [`Self::lanes`] gives them.
     #[inline(always)]
-    pub fn point_lanes<S: Simd>(&self, simd: S, first_ray: usize) -> [[f32; LANES]; 3] {
-        if let Self::PerRay { values, stride } = self {
-            let columns = point_columns(simd, &values[first_ray * stride..], *stride);
-            if let Some([x, y, z]) = columns {
-                return [*x, *y, *z];
+    pub fn axes<S: Simd>(&self, simd: S, first_ray: usize) -> Axes<S> {
+        match self {
+            Self::Uniform(value) => splat_axes(simd, *value),
+            Self::PerRay { values, stride } => {
+                let columns = point_columns(simd, &values[first_ray * stride..], *stride);
+                columns.unwrap_or_else(|| load_axes(simd, &self.lanes(first_ray)))
             }
         }
-        self.lanes(first_ray)
+    }
+}
+
+impl Column<'_, f32> {
+    /// The values of sixteen rays from `first_ray` on, as [`Self::lanes`] gives them. What was
+    /// written lane by lane can't be read as a whole for some time.
+    #[inline(always)]
+    pub fn vector<S: Simd>(&self, simd: S, first_ray: usize) -> f32x16<S> {
+        match self {
+            Self::Uniform(value) => f32x16::splat(simd, *value),
+            Self::PerRay { values, stride: 1 } if first_ray + LANES <= values.len() => {
+                f32x16::from_slice(simd, &values[first_ray..first_ray + LANES])
+            }
+            Self::PerRay { .. } => f32x16::from_slice(simd, &self.lanes(first_ray)),
+        }
+    }
+}
+
+impl Column<'_, u32> {
+    /// The values of sixteen rays from `first_ray` on, likewise.
+    #[inline(always)]
+    pub fn vector<S: Simd>(&self, simd: S, first_ray: usize) -> u32x16<S> {
+        match self {
+            Self::Uniform(value) => u32x16::splat(simd, *value),
+            Self::PerRay { values, stride: 1 } if first_ray + LANES <= values.len() => {
+                u32x16::from_slice(simd, &values[first_ray..first_ray + LANES])
+            }
+            Self::PerRay { .. } => u32x16::from_slice(simd, &self.lanes(first_ray)),
+        }
     }
 }
 

@@ -15,9 +15,7 @@ use std::hint::black_box;
 use glam::Vec3;
 use rayflock::engine::{CommitStats, EngineError, RayEngine, TraceStats};
 use rayflock::geom::simd::ray_triangle::{RayPacket, intersect_packet};
-use rayflock::geom::simd::{
-    LANES, Simd, SimdBase, SimdLevel, SimdMask, dispatch, f32x16, mask32x16,
-};
+use rayflock::geom::simd::{LANES, Simd, SimdLevel, SimdMask, dispatch, mask32x16};
 use rayflock::geom::{
     Column, ColumnElement, FrameChanges, Geometry, GeometryObject, Hits, RayBatch,
 };
@@ -87,11 +85,9 @@ fn test_rays(level: SimdLevel, rays: &RayBatch<'_>) {
 #[inline(always)]
 fn test_vector<S: Simd>(simd: S, rays: &RayBatch<'_>, vector: usize) -> u64 {
     let first_ray = vector * LANES;
-    let axes = |column: &Column<'_, Vec3>| {
-        column.point_lanes(simd, first_ray).map(|axis| f32x16::from_slice(simd, &axis))
-    };
+    let axes = |column: &Column<'_, Vec3>| column.axes(simd, first_ray);
     let times = [rays.t_min(), rays.t_max()];
-    let interval = times.map(|column| f32x16::from_slice(simd, &column.lanes(first_ray)));
+    let interval = times.map(|column| column.vector(simd, first_ray));
     let mut packet = RayPacket::EMPTY;
     packet.fill(simd, axes(rays.origin()), axes(rays.direction()), interval);
     let all = mask32x16::splat(simd, true);

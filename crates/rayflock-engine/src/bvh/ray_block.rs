@@ -3,9 +3,11 @@
 use std::ops::Range;
 
 use glam::Vec3;
-use rayflock_geom::simd::aligned_rays::{AlignedRays, FACES, RayLanes};
-use rayflock_geom::simd::ray_beams::{RayBeam, alike};
+use rayflock_geom::simd::aligned_rays::{AlignedRays, FACES};
+use rayflock_geom::simd::neighbours::{Neighbours, Slopes};
+use rayflock_geom::simd::ray_beams::RayBeam;
 use rayflock_geom::simd::ray_boxes::BoxRay;
+use rayflock_geom::simd::ray_lanes::RayLanes;
 use rayflock_geom::simd::{LANES, Simd};
 
 use super::ray_group::RayGroup;
@@ -112,32 +114,36 @@ impl RayBlock {
         let batch = asked.batch;
         let mut lanes = RayLanes::load(simd, batch, first_ray);
         let (active, invalid) = lanes.states(simd);
-        for (t_max, &t_bound) in lanes.t_max.iter_mut().zip(t_bounds.into_iter().flatten()) {
-            *t_max = t_max.min(t_bound);
+        if let Some(t_bounds) = t_bounds {
+            lanes.bound(simd, t_bounds);
         }
         let there = (1 << count) - 1;
         let invalid_count = u64::from((invalid & there).count_ones());
         if active & there == 0 {
             return invalid_count;
         }
-        let masks = batch.mask().lanes(first_ray);
-        let (prepared, crossing) =
-            AlignedRays::prepare(simd, &lanes, &asked.bounds, asked.table.slack());
+        let masks = *batch.mask().vector(simd, first_ray);
         let first = first_ray - self.first_ray;
-        let crossing = active & there & crossing;
-        let single = self.push_groups(simd, asked, first, crossing, (&lanes, &prepared, masks));
-        self.push_single(first, single, (&lanes, &prepared, masks));
+        let single = self.push_groups(simd, asked, first, active & there, (&lanes, masks));
+        if single != 0 {
+            self.push_single(simd, asked, first, single, (&lanes, masks));
+        }
         invalid_count
     }
 
-    /// Takes in those of sixteen rays that go alone.
+    /// Takes in those of sixteen rays that go alone, unless they cross nothing.
     #[inline(always)]
-    fn push_single(
+    fn push_single<S: Simd>(
         &mut self,
+        simd: S,
+        asked: &BlockQuestion<'_>,
         first: usize,
-        mut single: u64,
-        (lanes, prepared, masks): (&RayLanes, &AlignedRays, [u32; LANES]),
+        single: u64,
+        (lanes, masks): (&RayLanes, [u32; LANES]),
     ) {
+        let (prepared, crossing) =
+            AlignedRays::prepare(simd, lanes, &asked.bounds, asked.table.slack());
+        let mut single = single & crossing;
         while single != 0 {
             let lane = single.trailing_zeros() as usize;
             single &= single - 1;
@@ -162,10 +168,8 @@ impl RayBlock {
         for (lane, t_max) in lanes.t_max.iter_mut().enumerate() {
             *t_max = t_max.min(group.end(lane));
         }
-        let masks = asked.batch.mask().lanes(self.first_ray + first);
-        let (prepared, crossing) =
-            AlignedRays::prepare(simd, &lanes, &asked.bounds, asked.table.slack());
-        self.push_single(first, active & crossing, (&lanes, &prepared, masks));
+        let masks = *asked.batch.mask().vector(simd, self.first_ray + first);
+        self.push_single(simd, asked, first, active, (&lanes, masks));
     }
 
     /// Makes groups of the `active` rays that go similar ways. Returns those that go alone.
@@ -176,33 +180,26 @@ impl RayBlock {
         asked: &BlockQuestion<'_>,
         first: usize,
         active: u64,
-        (lanes, prepared, masks): (&RayLanes, &AlignedRays, [u32; LANES]),
+        (lanes, masks): (&RayLanes, [u32; LANES]),
     ) -> u64 {
-        let distance = asked.bounds.half_size.max_element();
+        let neighbours = Neighbours::of(simd, lanes);
         let (mut left, mut single) = (active, 0);
         for _ in 0..asked.leader_count {
             if left == 0 {
                 break;
             }
-            let alike = alike(simd, prepared, left, asked.group_width, distance);
-            let one = left & left.wrapping_neg();
-            left &= !(alike | one);
-            let beam = if alike.count_ones() < FEWEST {
-                None
-            } else {
-                RayBeam::around(simd, prepared, alike)
-            };
-            let Some(beam) = beam else {
-                single |= alike | one;
+            let (alike, found) = find_alike(simd, asked, &neighbours, left);
+            left &= !alike;
+            let Some((slopes, beam)) = found else {
+                single |= alike;
                 continue;
             };
-            let face = prepared.face(alike.trailing_zeros() as usize);
-            self.group_faces[face].push(self.group_count as u32);
+            self.group_faces[slopes.face()].push(self.group_count as u32);
             if self.groups.len() == self.group_count {
                 self.groups.push(RayGroup::EMPTY);
             }
             let group = &mut self.groups[self.group_count];
-            group.fill(beam, face, [first as u32, alike as u32], (lanes, prepared), masks);
+            group.fill(beam, [first as u32, alike as u32], (lanes, &slopes), masks);
             self.group_count += 1;
         }
         single | left
@@ -215,4 +212,28 @@ impl RayBlock {
             + self.groups.capacity() * size_of::<RayGroup>()
             + lists.map(Vec::capacity).sum::<usize>() * size_of::<u32>()
     }
+}
+
+/// Those of some lanes, at least one, whose rays go like the first of them, itself included; also
+/// their slopes and the beam around them, where they are worth a group and make one.
+#[inline(always)]
+fn find_alike<S: Simd>(
+    simd: S,
+    asked: &BlockQuestion<'_>,
+    neighbours: &Neighbours<S>,
+    lanes: u64,
+) -> (u64, Option<(Slopes<S>, RayBeam)>) {
+    let first = lanes & lanes.wrapping_neg();
+    let (width, distance) = (asked.group_width, asked.bounds.half_size.max_element());
+    let alike = neighbours.alike(simd, lanes, width) | first;
+    if alike.count_ones() < FEWEST {
+        return (alike, None);
+    }
+    let slopes = neighbours.slopes(simd, neighbours.face(first.trailing_zeros() as usize));
+    let alike = slopes.close(simd, alike, width, distance) | first;
+    if alike.count_ones() < FEWEST {
+        return (alike, None);
+    }
+    let beam = neighbours.beam(simd, &slopes, alike, &asked.bounds, asked.table.slack());
+    (alike, beam.map(|beam| (slopes, beam)))
 }

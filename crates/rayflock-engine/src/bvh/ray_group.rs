@@ -1,7 +1,8 @@
 //! Sixteen neighbouring rays that go similar ways, and what they hit so far.
 
-use rayflock_geom::simd::aligned_rays::{AlignedRays, RayLanes};
+use rayflock_geom::simd::neighbours::Slopes;
 use rayflock_geom::simd::ray_beams::RayBeam;
+use rayflock_geom::simd::ray_lanes::RayLanes;
 use rayflock_geom::simd::ray_triangle::{RayPacket, intersect_packet};
 use rayflock_geom::simd::{
     LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16,
@@ -62,20 +63,19 @@ impl RayGroup {
         ranks: [u32::MAX; LANES],
     };
 
-    /// Takes in the `active` rays, which are in `beam` and go through one `face`; `first` is where
-    /// the block has the first of all lanes.
+    /// Takes in the `active` rays, which are in `beam`; `first` is where the block has the first of
+    /// all lanes.
     #[inline(always)]
-    pub(super) fn fill(
+    pub(super) fn fill<S: Simd>(
         &mut self,
         beam: RayBeam,
-        face: usize,
         [first, active]: [u32; 2],
-        (rays, prepared): (&RayLanes, &AlignedRays),
+        (rays, slopes): (&RayLanes, &Slopes<S>),
         masks: [u32; LANES],
     ) {
         (self.beam, self.masks) = (beam, masks);
         (self.first, self.active, self.tests_left) = (first, active.into(), MOST_TESTS);
-        self.rays.fill_aligned(rays, prepared, face);
+        self.rays.fill_sloped(rays, slopes);
         self.t = [f32::INFINITY; LANES];
         self.ranks = [u32::MAX; LANES];
     }
@@ -104,11 +104,25 @@ impl RayGroup {
         if !hits.accepted.any_true() {
             return;
         }
-        self.keep_nearer(simd, hits.accepted, [hits.t, hits.u, hits.v], triangle.rank);
-        if question == Question::Occluded {
-            self.active &= !hits.accepted.to_bitmask();
+        match question {
+            Question::Closest => {
+                let [u, v] = hits.barycentric();
+                self.keep_nearer(simd, hits.accepted, [hits.t, u, v], triangle.rank);
+                self.shorten(simd);
+            }
+            Question::Occluded => self.occlude(simd, hits.accepted, triangle.rank),
         }
-        self.shorten(simd);
+    }
+
+    /// Notes that a triangle stands in the way of some rays.
+    #[inline(always)]
+    fn occlude<S: Simd>(&mut self, simd: S, occluded: mask32x16<S>, rank: u32) {
+        let ranks = u32x16::from_slice(simd, &self.ranks);
+        occluded.select(u32x16::splat(simd, rank), ranks).store_slice(&mut self.ranks);
+        self.active &= !occluded.to_bitmask();
+        if self.active == 0 {
+            self.beam.set_t_max(f32::NEG_INFINITY);
+        }
     }
 
     /// Updates the lanes whose hit is nearer.

@@ -112,7 +112,7 @@ impl NestPlace {
         &self,
         simd: S,
         table: &PrimitiveTable,
-        hits: LaneHits<S>,
+        mut hits: LaneHits<S>,
         triangle_idx: &[u32; LANES],
         nearest: &mut Nearest,
     ) {
@@ -122,7 +122,7 @@ impl NestPlace {
             let is_hit = accepted & (1 << lane) != 0;
             there |= u64::from(is_hit && table.mask(self.first_slot + idx) != 0) << lane;
         }
-        let hits = LaneHits { accepted: mask32x16::from_bitmask(simd, there), ..hits };
+        hits.accepted = mask32x16::from_bitmask(simd, there);
         let first_rank = self.first_rank;
         nearest.offer_lanes(&hits, &triangle_idx.map(|idx| idx.wrapping_add(first_rank)));
     }

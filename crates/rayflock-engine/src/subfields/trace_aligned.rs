@@ -6,9 +6,9 @@
 use std::ops::Range;
 
 use glam::Vec3;
-use rayflock_geom::simd::aligned_rays::RayLanes;
 use rayflock_geom::simd::face::RayPoints;
 use rayflock_geom::simd::face_rows::CELL_BITS;
+use rayflock_geom::simd::ray_lanes::RayLanes;
 use rayflock_geom::simd::ray_triangle::{PERTURBATION, ShearedRay};
 use rayflock_geom::simd::{LANES, Lanes, Select, Simd, SimdBase, f32x16, u32x16};
 
@@ -78,7 +78,7 @@ fn load<S: Simd>(
 ) -> Places {
     let batch = asked.batch;
     let mut lanes = RayLanes::load(simd, batch, first_ray);
-    let masks = batch.mask().lanes(first_ray);
+    let masks = *batch.mask().vector(simd, first_ray);
     let (active, invalid) = lanes.states(simd);
     let there = (1 << count) - 1;
     group.clear();

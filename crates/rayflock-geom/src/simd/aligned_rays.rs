@@ -10,12 +10,12 @@
 
 use glam::Vec3;
 
-use super::axes::{Axes, load_axes, splat_axes, store_axes, subtract};
+use super::axes::{Axes, absolute, largest, load_axes, splat_axes, store_axes, subtract};
 use super::ray_boxes::{
     BoxBounds, BoxRay, COARSEST_T, LARGEST_DISTANCE, SMALLEST_SIZE, THINNEST, UNDERFLOW,
 };
+use super::ray_lanes::RayLanes;
 use super::{LANES, Lanes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
-use crate::RayBatch;
 
 /// Faces of a cube: two for each axis kz, directions along it first.
 pub const FACES: usize = 6;
@@ -32,55 +32,6 @@ pub const fn face_axes(face: usize) -> [usize; 3] {
 /// Whether directions through a face go along the axis kz, not against it.
 pub const fn goes_along(face: usize) -> bool {
     face.is_multiple_of(2)
-}
-
-/// Sixteen rays as columns, as they were asked.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
-pub struct RayLanes {
-    /// Origins by axis.
-    pub origin: [Lanes; 3],
-    /// Directions by axis.
-    pub direction: [Lanes; 3],
-    /// Smallest accepted `t`.
-    pub t_min: Lanes,
-    /// Largest accepted `t`.
-    pub t_max: Lanes,
-}
-
-impl RayLanes {
-    /// Sixteen rays of a batch from `first_ray` on; the last one again where there are no more.
-    #[inline(always)]
-    pub fn load<S: Simd>(simd: S, batch: &RayBatch<'_>, first_ray: usize) -> Self {
-        Self {
-            origin: batch.origin().point_lanes(simd, first_ray),
-            direction: batch.direction().point_lanes(simd, first_ray),
-            t_min: batch.t_min().lanes(first_ray),
-            t_max: batch.t_max().lanes(first_ray),
-        }
-    }
-
-    /// Which rays are active and which invalid, one bit a lane, as [`Ray::state`](crate::Ray::state)
-    /// tells.
-    #[inline(always)]
-    pub fn states<S: Simd>(&self, simd: S) -> (u64, u64) {
-        let infinity = f32x16::splat(simd, f32::INFINITY);
-        let (origin, direction) = (load_axes(simd, &self.origin), load_axes(simd, &self.direction));
-        let largest = largest(absolute(direction));
-        let finite = are_finite(origin, infinity) & are_finite(direction, infinity);
-        let (t_min, t_max) =
-            (f32x16::from_slice(simd, &self.t_min), f32x16::from_slice(simd, &self.t_max));
-        let numbers = t_min.simd_eq(t_min) & t_max.simd_eq(t_max);
-        let valid = finite & largest.simd_gt(f32x16::splat(simd, 0.0)) & numbers;
-        let active = valid & t_min.simd_le(t_max);
-        (active.to_bitmask(), (!valid).to_bitmask())
-    }
-}
-
-/// Where all coordinates are finite.
-#[inline(always)]
-fn are_finite<S: Simd>([x, y, z]: Axes<S>, infinity: f32x16<S>) -> mask32x16<S> {
-    x.abs().simd_lt(infinity) & y.abs().simd_lt(infinity) & z.abs().simd_lt(infinity)
 }
 
 /// Sixteen prepared rays as columns; those of lanes that are not active hold anything.
@@ -122,7 +73,7 @@ impl AlignedRays {
             to_center[1] + half_size[1],
             to_center[2] + half_size[2],
         ]);
-        let coarsest = splat(simd, UNDERFLOW) + splat(simd, COARSEST_T) * size;
+        let coarsest = (size * COARSEST_T).max(splat(simd, 1.0)) * UNDERFLOW;
         let plain_margin = splat(simd, slack) * farthest + coarsest;
         let in_range = farthest.simd_le(splat(simd, LARGEST_DISTANCE))
             & size.simd_ge(splat(simd, SMALLEST_SIZE));
@@ -133,7 +84,6 @@ impl AlignedRays {
             f32x16::from_slice(simd, &rays.t_max) * size,
         );
 
-        let thinnest = splat(simd, THINNEST) * size;
         let mut prepared = Self {
             margin: *margin,
             t_min: *t_min,
@@ -145,7 +95,7 @@ impl AlignedRays {
         let half_size = order.apply(half_size);
         let (mut near, mut far) = (t_min, t_max);
         for (axis, column) in prepared.inverse.iter_mut().enumerate() {
-            let inverse = size / ordered[axis].abs().max(thinnest).copysign(ordered[axis]);
+            let inverse = inverse(simd, ordered[axis], size);
             let inverse = in_range.select(inverse, splat(simd, 1.0));
             inverse.store_slice(column);
             let middle = to_center[axis] * inverse;
@@ -197,6 +147,19 @@ impl AlignedRays {
     }
 }
 
+/// The inverse of a direction's coordinate in one whose largest, without its sign, is `size`.
+#[inline(always)]
+pub(super) fn inverse<S: Simd>(simd: S, coordinate: f32x16<S>, size: f32x16<S>) -> f32x16<S> {
+    let thinnest = f32x16::splat(simd, THINNEST) * size;
+    size / coordinate.abs().max(thinnest).copysign(coordinate)
+}
+
+/// The margin of a ray from which nothing is farther away than `farthest`.
+#[inline(always)]
+pub(super) fn margin(farthest: f32, size: f32, slack: f32) -> f32 {
+    slack * farthest + (size * COARSEST_T).max(1.0) * UNDERFLOW
+}
+
 /// Which axis is kz, the first of those with the largest coordinate.
 #[derive(Clone, Copy)]
 pub(super) struct Order<S: Simd> {
@@ -237,16 +200,6 @@ impl<S: Simd> Order<S> {
         let against = along.simd_lt(f32x16::splat(simd, 0.0));
         axis + against.select(splat(1), splat(0))
     }
-}
-
-#[inline(always)]
-fn absolute<S: Simd>(axes: Axes<S>) -> Axes<S> {
-    [axes[0].abs(), axes[1].abs(), axes[2].abs()]
-}
-
-#[inline(always)]
-fn largest<S: Simd>(axes: Axes<S>) -> f32x16<S> {
-    axes[0].max(axes[1]).max(axes[2])
 }
 
 #[cfg(test)]

@@ -55,3 +55,15 @@ pub fn subtract<S: Simd>(a: Axes<S>, b: Axes<S>) -> Axes<S> {
 pub fn dot<S: Simd>(a: Axes<S>, b: Axes<S>) -> f32x16<S> {
     (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 }
+
+/// Coordinates without their signs.
+#[inline(always)]
+pub(super) fn absolute<S: Simd>([x, y, z]: Axes<S>) -> Axes<S> {
+    [x.abs(), y.abs(), z.abs()]
+}
+
+/// The largest of the coordinates.
+#[inline(always)]
+pub(super) fn largest<S: Simd>([x, y, z]: Axes<S>) -> f32x16<S> {
+    x.max(y).max(z)
+}

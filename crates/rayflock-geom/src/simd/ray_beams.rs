@@ -17,10 +17,8 @@
 //!
 //! **Cost.** 34 operations for sixteen boxes and any number of rays.
 
-use super::aligned_rays::AlignedRays;
-use super::least_of_each::least_of_each;
 use super::ray_boxes::BoxLanes;
-use super::{LANES, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16};
+use super::{Simd, SimdBase, f32x16, mask32x16};
 
 /// Bounds of rays that leave through one face of a cube, in the order kx, ky, kz, each axis taken
 /// along the rays.
@@ -49,38 +47,24 @@ impl RayBeam {
         t_max: f32::NEG_INFINITY,
     };
 
-    /// The beam around the rays of some lanes, at least one; `None` where one is out of range.
-    /// They must leave through one face and have the same signs, as those that are [`alike`].
+    /// A beam of rays, in the order kx, ky, kz: least and largest coordinates of origins, and of
+    /// inverse directions, which must have one sign an axis; the margin; the interval.
     #[inline(always)]
-    pub fn around<S: Simd>(simd: S, rays: &AlignedRays, lanes: u64) -> Option<Self> {
-        let load = f32x16::from_slice;
-        let infinite = f32x16::splat(simd, f32::INFINITY);
-        let lanes = mask32x16::from_bitmask(simd, lanes);
-        let mut columns = [infinite; LANES];
+    pub(super) fn new(
+        origin: [[f32; 2]; 3],
+        inverse: [[f32; 2]; 3],
+        margin: f32,
+        [t_min, t_max]: [f32; 2],
+    ) -> Self {
+        let mut beam = Self { origin, inverse, margin, t_min, t_max, ..Self::EMPTY };
         for axis in 0..3 {
-            let (origin, inverse) =
-                (load(simd, &rays.origin[axis]), load(simd, &rays.inverse[axis]));
-            columns[4 * axis] = lanes.select(origin, infinite);
-            columns[4 * axis + 1] = lanes.select(-origin, infinite);
-            columns[4 * axis + 2] = lanes.select(inverse, infinite);
-            columns[4 * axis + 3] = lanes.select(-inverse, infinite);
+            if inverse[axis][1] < 0.0 {
+                let ([o0, o1], [i0, i1]) = (origin[axis], inverse[axis]);
+                beam.is_against[axis] = true;
+                (beam.origin[axis], beam.inverse[axis]) = ([-o1, -o0], [-i1, -i0]);
+            }
         }
-        columns[12] = lanes.select(-load(simd, &rays.margin), infinite);
-        columns[13] = lanes.select(load(simd, &rays.t_min), infinite);
-        columns[14] = lanes.select(-load(simd, &rays.t_max), infinite);
-        let least = *least_of_each(columns);
-
-        let mut beam =
-            Self { margin: -least[12], t_min: least[13], t_max: -least[14], ..Self::EMPTY };
-        for axis in 0..3 {
-            let [o0, o1] = [least[4 * axis], -least[4 * axis + 1]];
-            let [i0, i1] = [least[4 * axis + 2], -least[4 * axis + 3]];
-            let is_against = i1 < 0.0;
-            beam.is_against[axis] = is_against;
-            beam.origin[axis] = if is_against { [-o1, -o0] } else { [o0, o1] };
-            beam.inverse[axis] = if is_against { [-i1, -i0] } else { [i0, i1] };
-        }
-        (beam.margin < f32::INFINITY).then_some(beam)
+        beam
     }
 
     /// Makes `t_max`, in multiples of the scaled directions, the end of the beam.
@@ -88,30 +72,6 @@ impl RayBeam {
     pub fn set_t_max(&mut self, t_max: f32) {
         self.t_max = t_max;
     }
-}
-
-/// Those of some lanes whose rays go like the first of them: through the same face, along or
-/// against the same axes, from within `width` of its origin, to within `width` after `distance`.
-#[inline(always)]
-pub fn alike<S: Simd>(simd: S, rays: &AlignedRays, lanes: u64, width: f32, distance: f32) -> u64 {
-    let first = lanes.trailing_zeros() as usize % LANES;
-    let splat = f32x16::splat;
-    let face = u32x16::splat(simd, rays.faces[first]);
-    let mut alike = u32x16::from_slice(simd, &rays.faces).simd_eq(face);
-    let zero = splat(simd, 0.0);
-    for axis in 0..3 {
-        let inverse = f32x16::from_slice(simd, &rays.inverse[axis]);
-        let one_way = (inverse * splat(simd, rays.inverse[axis][first])).simd_gt(zero);
-        let origin = f32x16::from_slice(simd, &rays.origin[axis]);
-        let apart = (origin - splat(simd, rays.origin[axis][first])).abs();
-        alike &= one_way & apart.simd_le(splat(simd, width));
-    }
-    for axis in 0..2 {
-        let slope = f32x16::from_slice(simd, &rays.shear[axis]);
-        let apart = (slope - splat(simd, rays.shear[axis][first])).abs() * splat(simd, distance);
-        alike &= apart.simd_le(splat(simd, width));
-    }
-    alike.to_bitmask() & lanes
 }
 
 /// Sixteen boxes by their corners, as rays along and against each axis meet them.

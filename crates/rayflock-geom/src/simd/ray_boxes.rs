@@ -40,11 +40,13 @@ pub(super) const LARGEST_DISTANCE: f32 = 1e27;
 /// Rays with directions smaller than this cross every box: 2^-30 times it has all its digits.
 pub(super) const SMALLEST_SIZE: f32 = 1e-28;
 
-/// More than what products can lose to underflow.
-pub(super) const UNDERFLOW: f32 = 1e-36;
+/// More than twice what products can lose to underflow.
+pub(super) const UNDERFLOW: f32 = 2e-36;
 
-/// More than the rounding of a `t` so small that it has fewer digits.
-pub(super) const COARSEST_T: f32 = 1e-44;
+/// Directions that are larger can lose more, to the rounding of a `t` so small that it has fewer
+/// digits: half of `UNDERFLOW` times this, 1e-44, is more than that, for each unit of their size. A
+/// product with 1e-44 itself would have fewer digits too, and take long.
+pub(super) const COARSEST_T: f32 = 1e-8;
 
 /// More than the rounding of a sum, relative to it.
 pub(super) const CORNER_ERROR: f32 = 2.0 * f32::EPSILON;

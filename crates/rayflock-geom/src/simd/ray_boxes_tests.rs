@@ -1,8 +1,10 @@
 use proptest::prelude::*;
 
-use super::super::aligned_rays::{AlignedRays, RayLanes, face_axes};
+use super::super::aligned_rays::{AlignedRays, face_axes};
 use super::super::cone_sphere::{SLACK, SphereBlock};
-use super::super::ray_beams::{BoxCorners, RayBeam, alike, beam_crosses};
+use super::super::neighbours::Neighbours;
+use super::super::ray_beams::{BoxCorners, beam_crosses};
+use super::super::ray_lanes::RayLanes;
 use super::super::ray_sphere::{SphereRays, intersect_sphere};
 use super::super::ray_triangle::{ShearedRay, TriangleBlock, intersect_block};
 use super::super::triangle_boxes::{
@@ -151,14 +153,16 @@ fn beam_crosses_content(ray: &Ray, apart: [Vec3; 2], content: Content, room: &Bo
     SimdLevel::available().into_iter().all(|level| {
         dispatch!(level.level(), simd => {
             let bounds = leaf.bounds(simd);
-            let (prepared, _) = AlignedRays::prepare(simd, &rays, &bounds.union(room), SLACK);
-            let axes = face_axes(prepared.face(LANE));
+            let neighbours = Neighbours::of(simd, &rays);
+            let slopes = neighbours.slopes(simd, neighbours.face(LANE));
+            let axes = face_axes(slopes.face());
             let mut block = BoxBlock::ZERO;
             block.set(LANE, &bounds);
             // The ray itself is the first of its kind.
             let lanes = rays.states(simd).0 & (u64::MAX << LANE);
-            let lanes = alike(simd, &prepared, lanes, f32::INFINITY, 0.0);
-            RayBeam::around(simd, &prepared, lanes | 1 << LANE).is_none_or(|beam| {
+            let lanes = neighbours.alike(simd, lanes, f32::INFINITY) | 1 << LANE;
+            let beam = neighbours.beam(simd, &slopes, lanes, &bounds.union(room), SLACK);
+            beam.is_none_or(|beam| {
                 let boxes = BoxCorners::of(&block.load(simd, axes));
                 let own = leaf.corners(simd, axes);
                 beam_crosses(simd, &beam, &boxes).test(LANE)
@@ -361,12 +365,14 @@ fn a_beam_crosses_what_one_of_its_rays_does_and_nothing_beside() {
         let crossed = |t_max| {
             dispatch!(level.level(), simd => {
                 let bounds = BoxBounds::between(Vec3::splat(-9.0), Vec3::splat(9.0));
-                let (prepared, _) = AlignedRays::prepare(simd, &rays, &bounds, SLACK);
-                let near = alike(simd, &prepared, 0xffff, 0.85, 1.0);
+                let neighbours = Neighbours::of(simd, &rays);
+                let slopes = neighbours.slopes(simd, neighbours.face(0));
+                let near = neighbours.alike(simd, 0xffff, 0.85);
                 assert_eq!(near, 0x1ff, "rays up to 0.8 from the first");
-                let mut beam = RayBeam::around(simd, &prepared, 0xffff).unwrap();
+                assert_eq!(slopes.close(simd, near, 0.0, 1.0), near, "all go one way");
+                let mut beam = neighbours.beam(simd, &slopes, 0xffff, &bounds, SLACK).unwrap();
                 beam.set_t_max(t_max);
-                let boxes = BoxCorners::of(&block.load(simd, face_axes(prepared.face(0))));
+                let boxes = BoxCorners::of(&block.load(simd, face_axes(slopes.face())));
                 beam_crosses(simd, &beam, &boxes).to_bitmask() & 7
             })
         };

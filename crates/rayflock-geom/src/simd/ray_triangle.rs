@@ -34,8 +34,10 @@
 
 use glam::Vec3;
 
-use super::aligned_rays::{AlignedRays, RayLanes, face_axes};
+use super::aligned_rays::face_axes;
 use super::axes::{Axes, load_axes, load_ordered_axes, splat_axes, store_axes, subtract};
+use super::neighbours::Slopes;
+use super::ray_lanes::RayLanes;
 use super::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use crate::Ray;
 
@@ -195,14 +197,14 @@ impl RayPacket {
         t_max.store_slice(&mut self.t_max);
     }
 
-    /// Writes all rays, given as they were asked and prepared for boxes; those that count go through
-    /// one `face` of a cube.
+    /// Writes all rays, given as they were asked and by their slopes on the one face of a cube
+    /// through which those that count go.
     #[inline(always)]
-    pub fn fill_aligned(&mut self, rays: &RayLanes, prepared: &AlignedRays, face: usize) {
-        let [.., kz] = face_axes(face);
+    pub fn fill_sloped<S: Simd>(&mut self, rays: &RayLanes, slopes: &Slopes<S>) {
+        let [.., kz] = face_axes(slopes.face());
         self.major = [0, 1].map(|axis| if axis == kz { u16::MAX } else { 0 });
         self.origin = rays.origin;
-        self.shear = prepared.shear;
+        store_axes(&slopes.shear, &mut self.shear);
         (self.t_min, self.t_max) = (rays.t_min, rays.t_max);
     }
 
@@ -225,10 +227,18 @@ pub struct LaneHits<S: Simd> {
     pub accepted: mask32x16<S>,
     /// Distances in multiples of the direction's length.
     pub t: f32x16<S>,
-    /// Barycentric coordinates of vertex 1.
-    pub u: f32x16<S>,
-    /// Barycentric coordinates of vertex 2.
-    pub v: f32x16<S>,
+    /// Barycentric coordinates of vertices 1 and 2, times `det`: divided where hits are kept.
+    weights: [f32x16<S>; 2],
+    det: f32x16<S>,
+}
+
+impl<S: Simd> LaneHits<S> {
+    /// Barycentric coordinates of vertex 1 and of vertex 2.
+    #[inline(always)]
+    pub fn barycentric(&self) -> [f32x16<S>; 2] {
+        let [u, v] = self.weights;
+        [u / self.det, v / self.det]
+    }
 }
 
 /// One ray against sixteen triangles; only `active` lanes count.
@@ -380,7 +390,7 @@ fn intersect_sheared<S: Simd>(
     let inside = active & !sheared.is_outside(simd);
     if !inside.any_true() {
         // Divisions cost as much as all the rest.
-        return LaneHits { accepted: inside, t: zero, u: zero, v: zero };
+        return LaneHits { accepted: inside, t: zero, weights: [zero; 2], det: zero };
     }
     let [a, b, c] = sheared.corners;
     let [u_edge, v_edge, w_edge] = sheared.edges;
@@ -389,7 +399,7 @@ fn intersect_sheared<S: Simd>(
     let det = (u_edge + v_edge) + w_edge;
     let z = ((u_edge * a[2] + v_edge * b[2]) + w_edge * c[2]) / det;
     let t = z / shear[2];
-    let mut hits = LaneHits { accepted: inside, t, u: v_edge / det, v: w_edge / det };
+    let mut hits = LaneHits { accepted: inside, t, weights: [v_edge, w_edge], det };
 
     // Compute again in f64 what is on an edge, seen edge-on or out of range.
     let size = [u_edge.abs(), v_edge.abs(), w_edge.abs()];
@@ -432,7 +442,8 @@ fn intersect_rare<S: Simd>(
     hits: LaneHits<S>,
 ) -> LaneHits<S> {
     let mut accepted = hits.accepted.to_bitmask();
-    let (mut t, mut u, mut v) = (*hits.t, *hits.u, *hits.v);
+    let [mut u, mut v] = hits.weights.map(|weight| *weight);
+    let (mut t, mut det) = (*hits.t, *hits.det);
     let mut remaining = rare;
     while remaining != 0 {
         let lane = remaining.trailing_zeros() as usize;
@@ -444,15 +455,18 @@ fn intersect_rare<S: Simd>(
             }
         }
         match intersect_in_f64(corners, dz[lane]) {
-            Some(outcome) => [t[lane], u[lane], v[lane]] = outcome,
+            Some(outcome) => {
+                [t[lane], u[lane], v[lane]] = outcome;
+                det[lane] = 1.0;
+            }
             None => accepted &= !(1 << lane),
         }
     }
     LaneHits {
         accepted: mask32x16::from_bitmask(simd, accepted),
         t: f32x16::from_slice(simd, &t),
-        u: f32x16::from_slice(simd, &u),
-        v: f32x16::from_slice(simd, &v),
+        weights: [f32x16::from_slice(simd, &u), f32x16::from_slice(simd, &v)],
+        det: f32x16::from_slice(simd, &det),
     }
 }
 

@@ -50,7 +50,8 @@ fn by_aligned(level: SimdLevel, ray: &Ray, corners: [Vec3; 3], lane: usize) -> A
 
 #[inline(always)]
 fn answer<S: Simd>(lane: usize, hits: LaneHits<S>) -> Answer {
-    hits.accepted.test(lane).then(|| [hits.t[lane], hits.u[lane], hits.v[lane]].map(f32::to_bits))
+    let [u, v] = hits.barycentric();
+    hits.accepted.test(lane).then(|| [hits.t[lane], u[lane], v[lane]].map(f32::to_bits))
 }
 
 /// The answer that all kernels at all levels give; they must agree.

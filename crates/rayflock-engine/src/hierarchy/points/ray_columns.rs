@@ -1,5 +1,6 @@
 //! Sixteen rays of a batch as columns.
 
+use rayflock_geom::simd::axes::store_axes;
 use rayflock_geom::simd::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use rayflock_geom::{Column, ColumnElement, RayBatch};
 
@@ -78,11 +79,11 @@ impl RayColumns {
     #[inline(always)]
     fn load_run<S: Simd>(&mut self, simd: S, batch: &RayBatch<'_>, first_ray: usize) {
         self.present = (1 << LANES) - 1;
-        self.origin = batch.origin().point_lanes(simd, first_ray);
-        self.direction = batch.direction().point_lanes(simd, first_ray);
-        self.t_min = batch.t_min().lanes(first_ray);
-        self.t_max = batch.t_max().lanes(first_ray);
-        self.masks = batch.mask().lanes(first_ray);
+        store_axes(&batch.origin().axes(simd, first_ray), &mut self.origin);
+        store_axes(&batch.direction().axes(simd, first_ray), &mut self.direction);
+        batch.t_min().vector(simd, first_ray).store_slice(&mut self.t_min);
+        batch.t_max().vector(simd, first_ray).store_slice(&mut self.t_max);
+        batch.mask().vector(simd, first_ray).store_slice(&mut self.masks);
     }
 
     /// Makes the rays, whose positions these are, look no farther than `t_bounds` tell.

@@ -170,8 +170,9 @@ impl Group {
         let tie = t.simd_eq(best_t) & rank.simd_lt(best_rank);
         let nearer = hits.accepted & (t.simd_lt(best_t) | tie);
         nearer.select(t, best_t).store_slice(&mut self.t);
-        nearer.select(hits.u, load(simd, &self.u)).store_slice(&mut self.u);
-        nearer.select(hits.v, load(simd, &self.v)).store_slice(&mut self.v);
+        let [u, v] = hits.barycentric();
+        nearer.select(u, load(simd, &self.u)).store_slice(&mut self.u);
+        nearer.select(v, load(simd, &self.v)).store_slice(&mut self.v);
         nearer.select(rank, best_rank).store_slice(&mut self.ranks);
         let limit = self.limit(simd, face, points, t);
         nearer.select(limit, load(simd, &points.limit)).store_slice(&mut points.limit);
