@@ -1,19 +1,21 @@
 //! Streams the primitives past the faces: which of them may touch which band.
 //!
-//! Boxes around blocks of sixteen triangles are brought onto the face; triangles whose box holds no
-//! ray are done with, the others are projected, asked once more, and become rows in the lists of
-//! the bands that they touch. What has no place on the face goes by its slot.
+//! Where most triangles may be far from every ray, the boxes around them are brought onto the face
+//! first, sixteen at a time: those whose box holds no ray are done with. The others are projected,
+//! asked once more, and become rows in the lists of the bands that they touch. What has no place on
+//! the face goes by its slot.
 
 use std::ops::Range;
 
+use rayflock_geom::simd::axes::load_axes;
 use rayflock_geom::simd::face_boxes::{FaceBoxes, SpaceBoxes};
 use rayflock_geom::simd::ray_triangle::TriangleBlock;
 use rayflock_geom::simd::strip_rows::{StripRow, write_strip_rows};
 use rayflock_geom::simd::triangle_lanes::TriangleLanes;
 use rayflock_geom::simd::{LANES, Lanes, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16};
 
-use super::ray_strips::RayStrips;
-use super::staged::Staged;
+use super::ray_strips::{FaceStrips, RayStrips};
+use super::staged::{Sixteen, Staged};
 use crate::TraceStats;
 use crate::primitives::{BLOCKS_PER_READ, BlockReader, PrimitiveTable};
 
@@ -32,6 +34,22 @@ struct Block<'a, S: Simd> {
     ranks: &'a [u32; LANES],
     corners: [[f32x16<S>; 3]; 3],
     masks: u32x16<S>,
+}
+
+impl<S: Simd> Block<'_, S> {
+    /// Which of its triangles a ray may see.
+    #[inline(always)]
+    fn is_there(&self, simd: S) -> mask32x16<S> {
+        !self.masks.simd_eq(u32x16::splat(simd, 0))
+    }
+
+    /// Its triangles.
+    #[inline(always)]
+    fn triangles(&self, simd: S) -> Sixteen<S> {
+        let ranks = u32x16::from_slice(simd, self.ranks);
+        let slots = first_slots(simd) + u32x16::splat(simd, (self.block_idx * LANES) as u32);
+        (self.corners, [slots, ranks, self.masks])
+    }
 }
 
 /// Blocks and other primitives of one task.
@@ -111,6 +129,12 @@ impl Chunk {
         stats: &mut TraceStats,
     ) {
         stats.bytes += (9 * size_of::<Lanes>()) as u64;
+        if let [FaceStrips { asks_occupancy: false, .. }] = &strips.faces[..] {
+            // Boxes would leave most of them.
+            stats.box_tests += LANES as u64;
+            self.place(simd, strips, 0, &block.triangles(simd), block.is_there(simd));
+            return;
+        }
         let boxes = SpaceBoxes::around(simd, &block.corners, strips.faces[0].face.center);
         if strips.is_cube() {
             for axis in 0..3 {
@@ -140,17 +164,13 @@ impl Chunk {
         if face.is_empty() {
             return 0;
         }
-        let &Block { block_idx, ranks, corners, masks } = block;
-        let is_there = !masks.simd_eq(u32x16::splat(simd, 0));
-        let touches = is_there & !boxed.behind;
+        let touches = block.is_there(simd) & !boxed.behind;
         let asked = touches & boxed.certain;
         let near = asked & overlaps(simd, &boxed.bounds, &face.bounds);
         let kept = (touches & !asked) | face.keep(simd, &boxed.bounds, near, false);
         if kept.any_true() {
-            let ranks = u32x16::from_slice(simd, ranks);
-            let slots = first_slots(simd) + u32x16::splat(simd, (block_idx * LANES) as u32);
             let staged = &mut self.staged[face_idx];
-            staged.append(simd, &(corners, [slots, ranks, masks]), kept);
+            staged.append(simd, &block.triangles(simd), kept);
             if staged.len >= LANES {
                 self.place_staged(simd, strips, face_idx);
             }
@@ -158,14 +178,26 @@ impl Chunk {
         LANES as u64
     }
 
-    /// Projects the first sixteen triangles of a face that wait, or as many as there are, and lists
-    /// those that may be hit.
+    /// Places the first sixteen triangles of a face that wait, or as many as there are.
     #[inline(always)]
     fn place_staged<S: Simd>(&mut self, simd: S, strips: &RayStrips, face_idx: usize) {
-        let face = &strips.faces[face_idx];
         let staged = &mut self.staged[face_idx];
         let waiting = mask32x16::from_bitmask(simd, (1 << staged.len.min(LANES)) - 1);
-        let (corners, [slots, ranks, masks]) = staged.take(simd);
+        let triangles = staged.take(simd);
+        self.place(simd, strips, face_idx, &triangles, waiting);
+    }
+
+    /// Projects those of sixteen triangles that are `waiting`, and lists those that may be hit.
+    #[inline(always)]
+    fn place<S: Simd>(
+        &mut self,
+        simd: S,
+        strips: &RayStrips,
+        face_idx: usize,
+        &(corners, [slots, ranks, masks]): &Sixteen<S>,
+        waiting: mask32x16<S>,
+    ) {
+        let face = &strips.faces[face_idx];
         let waiting = waiting & TriangleLanes { corners }.solid(simd);
         let placed = face.face.project_triangles(simd, &corners);
         let rare = waiting & !placed.placed & !placed.behind;
@@ -263,11 +295,6 @@ impl Chunk {
 pub(super) fn load_corners<S: Simd>(simd: S, block: &TriangleBlock) -> [[f32x16<S>; 3]; 3] {
     let [a, b, c] = &block.corners;
     [load_axes(simd, a), load_axes(simd, b), load_axes(simd, c)]
-}
-
-#[inline(always)]
-fn load_axes<S: Simd>(simd: S, [x, y, z]: &[Lanes; 3]) -> [f32x16<S>; 3] {
-    [f32x16::from_slice(simd, x), f32x16::from_slice(simd, y), f32x16::from_slice(simd, z)]
 }
 
 /// Which boxes overlap the one box.
