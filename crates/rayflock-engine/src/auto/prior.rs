@@ -79,6 +79,13 @@ fn coefficients(kind: EngineKind, class: RayClass) -> Coefficients {
             ray_level: 6.0,
             ..NOTHING
         },
+        EngineKind::Subfields if class == RayClass::SharedDirectionImage => Coefficients {
+            fixed: 100_000.0,
+            moved_prim: 45.0,
+            ray: 38.0,
+            ray_level: 1.0,
+            ..NOTHING
+        },
         // A subfield for each of many directions never pays.
         EngineKind::Subfields => Coefficients { fixed: NEVER, ..NOTHING },
         EngineKind::Auto => NOTHING,
@@ -89,6 +96,7 @@ fn of_bvh(class: RayClass) -> Coefficients {
     let [near_prim, fresh_prim, ray, ray_level] = match class {
         RayClass::SharedOriginImage => [11.9, 16.5, 2.9, 3.4],
         RayClass::SharedOrigin => [7.1, 15.9, 0.0, 6.2],
+        RayClass::SharedDirectionImage => [3.8, 16.6, 2.9, 2.4],
         RayClass::SharedDirection => [13.8, 14.7, 0.0, 5.2],
         RayClass::Ordered => [15.1, 15.3, 0.0, 8.2],
         RayClass::Unordered => [5.0, 15.3, 0.0, 16.4],
@@ -100,6 +108,7 @@ fn of_hierarchy(class: RayClass) -> Coefficients {
     let [fixed, prim, near_prim, ray, ray_level] = match class {
         RayClass::SharedOriginImage => [78_000.0, 3.0, 16.5, 0.0, 3.7],
         RayClass::SharedOrigin => [60_000.0, 11.8, 35.5, 13.7, 2.9],
+        RayClass::SharedDirectionImage => [92_000.0, 3.2, 3.7, 3.8, 1.9],
         RayClass::SharedDirection => [168_000.0, 6.7, 24.4, 13.5, 3.2],
         RayClass::Ordered | RayClass::Unordered => {
             return Coefficients {

@@ -14,6 +14,9 @@ pub enum RayClass {
     SharedOriginImage,
     /// All start at one point.
     SharedOrigin,
+    /// All go one way, through the pixels of an image, and ask for what is nearest: those of an
+    /// orthographic camera.
+    SharedDirectionImage,
     /// All go one way.
     SharedDirection,
     /// Neighbours are close: an image, or said to be coherent.
@@ -24,14 +27,13 @@ pub enum RayClass {
 
 impl RayClass {
     fn of(rays: &RayBatch<'_>, question: Question) -> Self {
+        // Shadow rays to a lamp or a sun may come in the order of an image, but do not make one.
+        let is_image =
+            matches!(rays.order(), RayOrder::Image { .. }) && question == Question::Closest;
         if rays.origin().uniform().is_some() {
-            // Shadow rays from a lamp may come in the order of an image, but do not make one.
-            match (rays.order(), question) {
-                (RayOrder::Image { .. }, Question::Closest) => Self::SharedOriginImage,
-                _ => Self::SharedOrigin,
-            }
+            if is_image { Self::SharedOriginImage } else { Self::SharedOrigin }
         } else if rays.direction().uniform().is_some() {
-            Self::SharedDirection
+            if is_image { Self::SharedDirectionImage } else { Self::SharedDirection }
         } else {
             match rays.order() {
                 RayOrder::Image { .. } | RayOrder::Coherent => Self::Ordered,
@@ -46,6 +48,7 @@ impl fmt::Display for RayClass {
         f.write_str(match self {
             Self::SharedOriginImage => "of an image from one point",
             Self::SharedOrigin => "from one point",
+            Self::SharedDirectionImage => "of an image in one direction",
             Self::SharedDirection => "in one direction",
             Self::Ordered => "with close neighbours",
             Self::Unordered => "in no order",
