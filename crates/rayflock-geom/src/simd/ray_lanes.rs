@@ -19,6 +19,14 @@ pub struct RayLanes {
 }
 
 impl RayLanes {
+    /// Rays without a direction.
+    pub const EMPTY: Self = Self {
+        origin: [[0.0; LANES]; 3],
+        direction: [[0.0; LANES]; 3],
+        t_min: [0.0; LANES],
+        t_max: [0.0; LANES],
+    };
+
     /// Sixteen rays of a batch from `first_ray` on; the last one again where there are no more.
     #[inline(always)]
     pub fn load<S: Simd>(simd: S, batch: &RayBatch<'_>, first_ray: usize) -> Self {

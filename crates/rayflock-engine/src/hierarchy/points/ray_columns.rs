@@ -1,7 +1,8 @@
 //! Sixteen rays of a batch as columns.
 
-use rayflock_geom::simd::axes::store_axes;
-use rayflock_geom::simd::{LANES, Lanes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16};
+use rayflock_geom::simd::axes::load_axes;
+use rayflock_geom::simd::ray_lanes::RayLanes;
+use rayflock_geom::simd::{LANES, Lanes, Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use rayflock_geom::{Column, ColumnElement, RayBatch};
 
 use super::super::arrange::NO_RAY;
@@ -10,10 +11,7 @@ use super::super::arrange::NO_RAY;
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct RayColumns {
-    pub(super) origin: [Lanes; 3],
-    pub(super) direction: [Lanes; 3],
-    pub(super) t_min: Lanes,
-    pub(super) t_max: Lanes,
+    rays: RayLanes,
     pub(super) masks: [u32; LANES],
     /// Lanes that hold a ray.
     present: u64,
@@ -30,14 +28,7 @@ pub(super) struct RayStates<S: Simd> {
 }
 
 impl RayColumns {
-    pub(super) const EMPTY: Self = Self {
-        origin: [[0.0; LANES]; 3],
-        direction: [[0.0; LANES]; 3],
-        t_min: [0.0; LANES],
-        t_max: [0.0; LANES],
-        masks: [0; LANES],
-        present: 0,
-    };
+    pub(super) const EMPTY: Self = Self { rays: RayLanes::EMPTY, masks: [0; LANES], present: 0 };
 
     /// Asks for the rays at these positions, so that they are in the cache when they are fetched.
     #[inline(always)]
@@ -68,10 +59,10 @@ impl RayColumns {
                 self.present |= 1 << lane;
             }
         }
-        gather_axes(batch.origin(), &positions, &mut self.origin);
-        gather_axes(batch.direction(), &positions, &mut self.direction);
-        gather(batch.t_min(), &positions, &mut self.t_min);
-        gather(batch.t_max(), &positions, &mut self.t_max);
+        gather_axes(batch.origin(), &positions, &mut self.rays.origin);
+        gather_axes(batch.direction(), &positions, &mut self.rays.direction);
+        gather(batch.t_min(), &positions, &mut self.rays.t_min);
+        gather(batch.t_max(), &positions, &mut self.rays.t_max);
         gather(batch.mask(), &positions, &mut self.masks);
     }
 
@@ -79,10 +70,7 @@ impl RayColumns {
     #[inline(always)]
     fn load_run<S: Simd>(&mut self, simd: S, batch: &RayBatch<'_>, first_ray: usize) {
         self.present = (1 << LANES) - 1;
-        store_axes(&batch.origin().axes(simd, first_ray), &mut self.origin);
-        store_axes(&batch.direction().axes(simd, first_ray), &mut self.direction);
-        batch.t_min().vector(simd, first_ray).store_slice(&mut self.t_min);
-        batch.t_max().vector(simd, first_ray).store_slice(&mut self.t_max);
+        self.rays = RayLanes::load(simd, batch, first_ray);
         batch.mask().vector(simd, first_ray).store_slice(&mut self.masks);
     }
 
@@ -98,47 +86,39 @@ impl RayColumns {
                 *bound = t_bounds.get(ray_idx as usize).copied().unwrap_or(f32::INFINITY);
             }
         }
-        let t_max = f32x16::from_slice(simd, &self.t_max);
-        let bounds = f32x16::from_slice(simd, &bounds);
-        // A NaN in the interval stays.
-        self.t_max = *bounds.simd_lt(t_max).select(bounds, t_max);
+        self.rays.bound(simd, &bounds);
     }
 
-    /// Tells which rays are to be traced, as [`Ray::state`](rayflock_geom::Ray::state) does.
+    /// Tells which rays are to be traced.
     #[inline(always)]
     pub(super) fn states<S: Simd>(&self, simd: S) -> RayStates<S> {
-        let load = f32x16::from_slice;
-        let most = f32x16::splat(simd, f32::MAX);
-        let zero = f32x16::splat(simd, 0.0);
-        let mut valid = mask32x16::from_bitmask(simd, self.present);
-        let mut has_direction = mask32x16::splat(simd, false);
-        for axis in 0..3 {
-            let direction = load(simd, &self.direction[axis]).abs();
-            valid &= direction.simd_le(most);
-            valid &= load(simd, &self.origin[axis]).abs().simd_le(most);
-            has_direction |= direction.simd_gt(zero);
-        }
-        let (t_min, t_max) = (load(simd, &self.t_min), load(simd, &self.t_max));
-        let valid = valid & has_direction & t_min.simd_eq(t_min) & t_max.simd_eq(t_max);
-        let active = valid & t_min.simd_le(t_max);
-        let valid_count = u64::from(valid.to_bitmask().count_ones());
+        let (active, invalid) = self.rays.states(simd);
+        let active = mask32x16::from_bitmask(simd, active & self.present);
+        let looks_back = self.interval(simd)[0].simd_lt(f32x16::splat(simd, 0.0));
         RayStates {
             active,
-            invalid_count: u64::from(self.present.count_ones()) - valid_count,
-            looks_back: (active & t_min.simd_lt(zero)).any_true(),
+            invalid_count: u64::from((invalid & self.present).count_ones()),
+            looks_back: (active & looks_back).any_true(),
         }
     }
 
     /// Origins in registers.
     #[inline(always)]
     pub(super) fn origin<S: Simd>(&self, simd: S) -> [f32x16<S>; 3] {
-        load_axes(simd, &self.origin)
+        load_axes(simd, &self.rays.origin)
     }
 
     /// Directions in registers.
     #[inline(always)]
     pub(super) fn direction<S: Simd>(&self, simd: S) -> [f32x16<S>; 3] {
-        load_axes(simd, &self.direction)
+        load_axes(simd, &self.rays.direction)
+    }
+
+    /// The smallest and the largest accepted `t` in registers.
+    #[inline(always)]
+    pub(super) fn interval<S: Simd>(&self, simd: S) -> [f32x16<S>; 2] {
+        let RayLanes { t_min, t_max, .. } = &self.rays;
+        [f32x16::from_slice(simd, t_min), f32x16::from_slice(simd, t_max)]
     }
 
     /// Overwrites rays that are not `active` by one that is, so that they do not stand in the way
@@ -152,8 +132,9 @@ impl RayColumns {
         let source = active.trailing_zeros() as usize;
         for lane in (0..LANES).filter(|lane| active & (1 << lane) == 0) {
             for axis in 0..3 {
-                self.origin[axis][lane] = self.origin[axis][source];
-                self.direction[axis][lane] = self.direction[axis][source];
+                for column in [&mut self.rays.origin[axis], &mut self.rays.direction[axis]] {
+                    column[lane] = column[source];
+                }
             }
         }
     }
@@ -166,11 +147,6 @@ fn first_of_run(ray_idx: &[u32]) -> Option<u32> {
     let first = ray_idx[0];
     let is_run = (0..LANES as u32).all(|lane| ray_idx[lane as usize] == first.wrapping_add(lane));
     (is_run && first < NO_RAY - LANES as u32).then_some(first)
-}
-
-#[inline(always)]
-fn load_axes<S: Simd>(simd: S, [x, y, z]: &[Lanes; 3]) -> [f32x16<S>; 3] {
-    [f32x16::from_slice(simd, x), f32x16::from_slice(simd, y), f32x16::from_slice(simd, z)]
 }
 
 #[inline(always)]

@@ -65,8 +65,7 @@ impl GroupPoints {
         columns.repeat_active(active.to_bitmask());
         let (origin, direction) = (columns.origin(simd), columns.direction(simd));
         let points = face.project_rays(simd, origin, direction);
-        let t_min = f32x16::from_slice(simd, &columns.t_min);
-        let t_max = f32x16::from_slice(simd, &columns.t_max);
+        let [t_min, t_max] = columns.interval(simd);
         let limit = face.limit(simd, &points, t_max);
         let begin = face.begin(simd, &points, t_min);
         points.x.store_slice(&mut self.x);
@@ -103,9 +102,8 @@ impl Group {
     ) {
         points.pace.store_slice(&mut self.pace);
         points.start.store_slice(&mut self.start);
-        let t_min = f32x16::from_slice(simd, &columns.t_min);
-        let t_max = f32x16::from_slice(simd, &columns.t_max);
-        self.rays.fill(simd, columns.origin(simd), columns.direction(simd), [t_min, t_max]);
+        let interval = columns.interval(simd);
+        self.rays.fill(simd, columns.origin(simd), columns.direction(simd), interval);
         self.masks = columns.masks;
         self.active = active;
         self.t = [f32::INFINITY; LANES];
@@ -121,9 +119,7 @@ impl Group {
         points: &RayPoints<S>,
         columns: &RayColumns,
     ) {
-        let t_min = f32x16::from_slice(simd, &columns.t_min);
-        let t_max = f32x16::from_slice(simd, &columns.t_max);
-        let [least, most] = face.surely(simd, points, [t_min, t_max]);
+        let [least, most] = face.surely(simd, points, columns.interval(simd));
         least.store_slice(&mut self.surely[0]);
         most.store_slice(&mut self.surely[1]);
     }
