@@ -7,6 +7,8 @@
 //!   beam      bounds of these: the least lane of each of fourteen columns at once
 //! ```
 //!
+//! **Source.** That of [`ray_beams`](super::ray_beams), whose beams these are.
+//!
 //! **Invariants.** `shear` has the bits of [`ShearedRay`](super::ray_triangle::ShearedRay); inverses
 //! and margin are those of [`AlignedRays`](super::aligned_rays::AlignedRays) or wider.
 //!
